@@ -5,8 +5,8 @@ from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator, s
 from contactlab.motor.drive import Chirp, Drive, TwoMode, TwoPhase
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.motion import Sawtooth, Vibration
+from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.reduction import reduced
 from contactlab.motor.residual import add_residual_modes

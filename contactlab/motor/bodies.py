@@ -9,19 +9,21 @@ surface along the other's.
 
 from dataclasses import replace
 from math import sqrt
-from typing import Any, Final
+from typing import Annotated, Any, Final, TypeAlias
 
 import numpy as np
 import scipy
 
 from contactlab.arrays import Array
-from contactlab.checks import check_kind, check_number, check_shape, checked_arguments
+from contactlab.checks import check_kind, check_shape
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
-from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.motion import FOREVER, Motion, drive_of, force_of, together
+from contactlab.motor.motor import BELT, FLAT as FLAT, ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import Steel
+from contactlab.motor.plant import plant
 from contactlab.motor.waveform import Waveform
+from contactlab.parameter import Parameter, positive
 
 PRESCRIBED_ROOT: Final = 1e20
 """Root of the mass of a body that is led along a path [kg^1/2]: no force changes its motion."""
@@ -34,6 +36,16 @@ HEAVY: Final = PRESCRIBED_ROOT**2
 
 MOST_MODES: Final = 20
 """Of a cantilever: beyond, a Bernoulli-Euler beam is none."""
+
+
+Mass: TypeAlias = Annotated[float, positive("m", "kg", "mass")]
+Stiffness: TypeAlias = Annotated[float, Parameter("k", "N m-1", "stiffness of the spring")]
+Dashpot: TypeAlias = Annotated[float, Parameter("c", "N s m-1", "dashpot")]
+Frequency: TypeAlias = Annotated[float, positive("f", "Hz", "frequency")]
+Gap: TypeAlias = Annotated[float, Parameter("g_0", "m", "gap at rest")]
+Penetration: TypeAlias = Annotated[float, Parameter("", "m", "penetration at the start")]
+Displacement: TypeAlias = Annotated[float, Parameter("x", "m", "displacement at the start")]
+Velocity: TypeAlias = Annotated[float, Parameter("v", "m s-1", "velocity at the start")]
 
 
 def way_of(theta: Array) -> Array:
@@ -53,40 +65,24 @@ def _tone(amplitude: float, frequency: float) -> Drive:
     return Drive(np.array([frequency]), np.array([[amplitude], [0.0]], dtype=complex))
 
 
-@checked_arguments(
-    mass="kg",
-    height="m",
-    gap_rate="m/s",
-    way="m",
-    velocity="m/s",
-    weight="N",
-    push="N",
-    normal_stiffness="N/m",
-    stiffness="N/m",
-    normal_damping="N s/m",
-    damping="N s/m",
-    push_amplitude="N",
-    push_frequency="Hz",
-    belt_mass="kg",
-    belt_velocity="m/s",
-)
+@plant
 def block(
-    mass: float = 1.0,
+    mass: Mass = 1.0,
     *,
-    height: float = 0.0,
-    gap_rate: float = 0.0,
-    way: float = 0.0,
-    velocity: float = 0.0,
-    weight: float = 0.0,
-    push: float = 0.0,
-    normal_stiffness: float = 0.0,
-    stiffness: float = 0.0,
-    normal_damping: float = 0.0,
-    damping: float = 0.0,
-    push_amplitude: float = 0.0,
-    push_frequency: float = 1.0,
-    belt_mass: float = HEAVY,
-    belt_velocity: float = 0.0,
+    height: Annotated[float, Parameter("h", "m", "gap at the start")] = 0.0,
+    gap_rate: Annotated[float, Parameter("", "m s-1", "rate of the gap at the start")] = 0.0,
+    way: Displacement = 0.0,
+    velocity: Velocity = 0.0,
+    weight: Annotated[float, Parameter("N", "N", "force towards the surface")] = 0.0,
+    push: Annotated[float, Parameter("P", "N", "force along the surface")] = 0.0,
+    normal_stiffness: Annotated[float, Parameter("k_n", "N m-1", "stiffness of the spring across")] = 0.0,
+    stiffness: Stiffness = 0.0,
+    normal_damping: Annotated[float, Parameter("c_n", "N s m-1", "dashpot across")] = 0.0,
+    damping: Dashpot = 0.0,
+    push_amplitude: Annotated[float, Parameter("", "N", "amplitude of the push")] = 0.0,
+    push_frequency: Frequency = 1.0,
+    belt_mass: Annotated[float, positive("M", "kg", "mass of the belt")] = HEAVY,
+    belt_velocity: Annotated[float, Parameter("V", "m s-1", "velocity of the belt at the start")] = 0.0,
     load_velocity: Waveform | None = None,
     base: Motion | None = None,
     table: Motion | None = None,
@@ -132,7 +128,6 @@ def block(
         >>> f"{cl.simulate(lying, law, duration=1.0)['point_body'][-1]:.3f} m"
         '?'
     """
-    _check_positive(mass=mass, belt_mass=belt_mass)
     root = sqrt(mass)
     drive = _tone(push_amplitude, push_frequency)
     if load_velocity is not None:
@@ -173,7 +168,8 @@ def _on_moving(motor: Motor, name: str, motion: Motion, mode: int, sign: float) 
         sign: s.
     """
     modes, start, preload = motor.modes, motor.start, motor.preload
-    assert start is not None and preload is not None
+    assert start is not None
+    assert preload is not None
     drive, stiffness, damping = drive_of(name, motion), modes.stiffness[mode], modes.damping[mode]
     place, speed = (float(drive.voltage(0.0, order)[0]) for order in (0, 1))
     # sqrt(m), as a displacement of 1 m of the body is sqrt(m) of its mode.
@@ -212,7 +208,8 @@ def _on_moving(motor: Motor, name: str, motion: Motion, mode: int, sign: float) 
 def _pull(load_velocity: Waveform, stiffness: float) -> Waveform:
     """Return the force k x of a load point that goes a way x at a velocity and then rests, and no other."""
     check_kind("load_velocity", load_velocity, Waveform)
-    _check_positive(stiffness=stiffness)
+    if not stiffness > 0.0:
+        raise ValueError(f"stiffness is {stiffness}; it must be positive under a load_velocity.")
     velocity = load_velocity.pieces
     check_shape("load_velocity.pieces.c", velocity.c, (-1, velocity.x.size - 1, 1), "one row")
     if load_velocity.periodic:
@@ -256,25 +253,17 @@ def led_body(path: Waveform, gap: bool, touching: bool = False) -> Motor:
     )
 
 
-@checked_arguments(
-    mass="kg",
-    height="m",
-    speed="m/s",
-    velocity="m/s",
-    spin="m/s",
-    gravity="m/s^2",
-    damping="N s/m",
-)
+@plant
 def ball(
-    mass: float = 1.0,
+    mass: Mass = 1.0,
     *,
-    height: float = 0.0,
-    speed: float = 0.0,
-    velocity: float = 0.0,
-    spin: float = 0.0,
-    gyration: float = 0.4,
-    gravity: float = 9.81,
-    damping: float = 0.0,
+    height: Annotated[float, Parameter("h", "m", "gap at the start")] = 0.0,
+    speed: Annotated[float, Parameter("", "m s-1", "speed towards the plate at the start")] = 0.0,
+    velocity: Velocity = 0.0,
+    spin: Annotated[float, Parameter("R omega", "m s-1", "slip of the rotation at the start")] = 0.0,
+    gyration: Annotated[float, positive("I/(m R^2)", "1", "moment of inertia over that of a hoop")] = 0.4,
+    gravity: Annotated[float, Parameter("g", "m s-2", "gravity")] = 9.81,
+    damping: Dashpot = 0.0,
     table: Motion | None = None,
 ) -> Motor:
     """Return a ball over a plate, which moves in a plane and may spin in it.
@@ -300,7 +289,6 @@ def ball(
         >>> [round(float(speed), 3) for speed in fall.contacts.separation_velocity[:1]]
         [0.354]
     """
-    _check_positive(mass=mass, gyration=gyration)
     root, turning = sqrt(mass), sqrt(gyration * mass)
     modes = NormalModes(
         stiffness=np.zeros(3),
@@ -321,26 +309,17 @@ def ball(
     return motor if table is None else _on_moving(motor, "table", table, 0, 1.0)
 
 
-@checked_arguments(
-    mass="kg",
-    stiffness="N/m",
-    damping="N s/m",
-    gap="m",
-    force="N",
-    frequency="Hz",
-    displacement="m",
-    velocity="m/s",
-)
+@plant
 def oscillator(
-    mass: float = 1.0,
-    stiffness: float = 1.0,
+    mass: Mass = 1.0,
+    stiffness: Stiffness = 1.0,
     *,
-    damping: float = 0.0,
-    gap: float = 0.0,
-    force: float = 0.0,
-    frequency: float = 1.0,
-    displacement: float = 0.0,
-    velocity: float = 0.0,
+    damping: Dashpot = 0.0,
+    gap: Gap = 0.0,
+    force: Annotated[float, Parameter("F", "N", "amplitude of the force")] = 0.0,
+    frequency: Frequency = 1.0,
+    displacement: Displacement = 0.0,
+    velocity: Velocity = 0.0,
 ) -> Motor:
     """Return an oscillator with a stop, m xdd + c xd + k x = F cos(2 pi f t) and x <= gap until it touches.
 
@@ -359,7 +338,6 @@ def oscillator(
         >>> run.complete
         True
     """
-    _check_positive(mass=mass)
     root = sqrt(mass)
     modes = NormalModes(
         # Along the stop the mass rests; damping there leaves no direction of its orbits neutral.
@@ -378,26 +356,17 @@ def oscillator(
     )
 
 
-@checked_arguments(
-    mass="kg",
-    stiffness="N/m",
-    weight="N",
-    belt_velocity="m/s",
-    belt_mass="kg",
-    penetration="m",
-    displacement="m",
-    velocity="m/s",
-)
+@plant
 def belt(
-    mass: float = 1.0,
-    stiffness: float = 1.0,
+    mass: Mass = 1.0,
+    stiffness: Stiffness = 1.0,
     *,
-    weight: float = 1.0,
-    belt_velocity: float = 0.1,
-    belt_mass: float | None = None,
-    penetration: float = 0.0,
-    displacement: float = 0.0,
-    velocity: float = 0.0,
+    weight: Annotated[float, Parameter("N", "N", "force towards the surface")] = 1.0,
+    belt_velocity: Annotated[float, Parameter("V", "m s-1", "velocity of the belt at the start")] = 0.1,
+    belt_mass: Annotated[float | None, positive("M", "kg", "mass of the belt")] = None,
+    penetration: Penetration = 0.0,
+    displacement: Displacement = 0.0,
+    velocity: Velocity = 0.0,
 ) -> Motor:
     """Return a mass that a spring holds on a moving belt, m xdd + k x = friction.
 
@@ -430,25 +399,17 @@ def belt(
     )
 
 
-@checked_arguments(
-    mass="kg",
-    weight="N",
-    load="N",
-    damping="N s/m",
-    normal_damping="N s/m",
-    velocity="m/s",
-    penetration="m",
-)
+@plant
 def slider(
-    mass: float = 1.0,
+    mass: Mass = 1.0,
     *,
     tip: Motion,
-    weight: float = 1.0,
-    load: float = 0.0,
-    damping: float = 0.0,
-    normal_damping: float = 0.0,
-    velocity: float = 0.0,
-    penetration: float = 0.0,
+    weight: Annotated[float, Parameter("N", "N", "force towards the surface")] = 1.0,
+    load: Annotated[float, Parameter("P", "N", "load, positive brakes")] = 0.0,
+    damping: Dashpot = 0.0,
+    normal_damping: Annotated[float, Parameter("c_n", "N s m-1", "dashpot across")] = 0.0,
+    velocity: Velocity = 0.0,
+    penetration: Penetration = 0.0,
 ) -> Motor:
     """Return a slider that is pressed on a driven tip, m dv/dt = F - c v - P: an inertia drive.
 
@@ -472,9 +433,8 @@ def slider(
         >>> driven = cl.slider(0.01, tip=cl.Sawtooth("1 um", "1 kHz"), weight=1.0)
         >>> state = cl.steady(driven, cl.LagrangeStick(friction_coefficient=0.3))
         >>> f"{1e3 * state.velocity.value:.3f} mm/s"
-        '?'
+        '0.767 mm/s'
     """
-    _check_positive(mass=mass)
     root, led = sqrt(mass), drive_of("tip", tip)
     geometry = ContactGeometry(FLAT, 1.0, 0.0)
     # Where the tip begins aside, the slider lies on it all the same, but for round-off.
@@ -499,28 +459,19 @@ def slider(
     )
 
 
-@checked_arguments(
-    length="m",
-    width="m",
-    thickness="m",
-    damping_ratio="1",
-    gap="m",
-    acceleration="m/s^2",
-    frequency="Hz",
-    deflection="m",
-)
+@plant
 def cantilever(
-    length: float = 0.1,
-    width: float = 0.01,
-    thickness: float = 1e-3,
+    length: Annotated[float, positive("L", "m", "length")] = 0.1,
+    width: Annotated[float, positive("b", "m", "width")] = 0.01,
+    thickness: Annotated[float, positive("h", "m", "thickness")] = 1e-3,
     *,
     material: Steel | None = None,
-    modes: int = 4,
-    damping_ratio: float = 0.0,
-    gap: float = 0.0,
-    acceleration: float = 0.0,
-    frequency: float = 1.0,
-    deflection: float = 0.0,
+    modes: Annotated[int, Parameter("", "1", "number of bending modes", at_least=1, at_most=MOST_MODES)] = 4,
+    damping_ratio: Annotated[float, Parameter("zeta", "1", "damping ratio of each mode")] = 0.0,
+    gap: Gap = 0.0,
+    acceleration: Annotated[float, Parameter("a", "m s-2", "amplitude of the shaken clamp")] = 0.0,
+    frequency: Frequency = 1.0,
+    deflection: Annotated[float, Parameter("", "m", "deflection of the end at the start")] = 0.0,
 ) -> Motor:
     """Return a clamped beam whose end strikes a stop below it, in its exact bending modes.
 
@@ -546,10 +497,6 @@ def cantilever(
         >>> run.contacts.sizes["contact"] > 0
         True
     """
-    check_kind("The number of modes", modes, int)
-    if not 1 <= modes <= MOST_MODES:
-        raise ValueError(f"The cantilever has {modes} modes; it must have between 1 and {MOST_MODES}.")
-    _check_positive(length=length, width=width, thickness=thickness)
     steel = Steel() if material is None else material
     mass = steel.density * width * thickness * length
     rigidity = steel.youngs_modulus * width * thickness**3 / 12.0
@@ -591,11 +538,3 @@ def _clamped_free(count: int) -> tuple[Array, Array]:
     small = np.exp(-b)
     ratio = (1.0 - small**2 - 2.0 * small * np.sin(b)) / (1.0 + small**2 + 2.0 * small * np.cos(b))
     return b, ratio
-
-
-def _check_positive(**values: Any) -> None:
-    """Refuse what is no positive number."""
-    for name, value in values.items():
-        check_number(f"The {name.replace('_', ' ')}", value)
-        if not 0.0 < value < np.inf:
-            raise ValueError(f"The {name.replace('_', ' ')} is {value}; it must be positive and finite.")

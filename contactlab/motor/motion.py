@@ -7,10 +7,9 @@ from typing import Annotated, Final, TypeAlias, final
 import numpy as np
 import scipy
 
-from contactlab.arrays import Array
 from contactlab.checks import Checked, check_shape
 from contactlab.motor.drive import Drive
-from contactlab.motor.waveform import Waveform
+from contactlab.motor.waveform import MOST_DEGREE, Waveform
 from contactlab.parameter import Parameter, positive
 
 SMOOTH: Final = 1e-9
@@ -49,15 +48,17 @@ class Sawtooth(Checked):
     """Displacement of two straight flanks, by S up over a share r of the period and down over the rest.
 
     The corners between the velocities S f / r and -S f / (1 - r) are parabolas over a share c of the period
-    each, half of it on either side: of a corner without them the acceleration is infinite. It begins in the
-    middle of the first flank, at zero.
+    each, half of it on either side, so that the peak-to-peak value is S (1 - c): at a corner without them the
+    acceleration is infinite. It begins in the middle of the first flank, at zero.
 
         >>> sawtooth = Sawtooth("1 um", "1 kHz", rise=0.9, corner=0.01).drive().waveform
         >>> sawtooth.voltage(0.0, order=1) * 0.9 / 1e3
         array([1.e-06])
     """
 
-    stroke: Annotated[float, positive("S", "m", "height of the flanks, of which a corner cuts c S / (8 r (1 - r))")] = 1e-6
+    stroke: Annotated[
+        float, positive("S", "m", "height of the flanks, of which a corner cuts c S / (8 r (1 - r))")
+    ] = 1e-6
     frequency: Annotated[float, _FREQUENCY] = 1e3
     rise: Annotated[float, positive("r", "1", "share of the period in the first flank", below=1.0)] = 0.9
     corner: Annotated[float, positive("c", "1", "share of the period in each corner", at_most=0.1)] = 0.01
@@ -115,7 +116,7 @@ def drive_of(name: str, motion: Motion) -> Drive:
 
 
 def force_of(drive: Drive, stiffness: float, damping: float) -> Drive:
-    """Return zdd + c zd + k z of a displacement z, with c [1/s] and k [1/s^2], as a drive of one electrode."""
+    """Return zdd + c zd + k z of a displacement z, with c [1/s] and k [1/s^2]."""
     rate = 1j * drive.angular_frequency
     phasors = drive.phasors * (rate**2 + damping * rate + stiffness)
     if (motion := drive.waveform) is None:
@@ -133,7 +134,10 @@ def _check_smooth(name: str, motion: Waveform) -> None:
     for order, what in enumerate(("displacement", "velocity")):
         starts = motion.pieces(x[:-1], order)[:, 0]
         ends = np.array(
-            [np.polyval(np.polyder(each, order), dt) for each, dt in zip(c[:, :, 0].T, np.diff(x), strict=True)]
+            [
+                np.polyval(np.polyder(each, order), dt)
+                for each, dt in zip(c[:, :, 0].T, np.diff(x), strict=True)
+            ]
         )
         # Of a motion that repeats itself, the first piece follows the last one.
         jumps = np.abs(np.roll(starts, -1) - ends)[: None if motion.periodic else -1]
@@ -153,26 +157,22 @@ def together(*drives: Drive) -> Drive:
         ValueError: two waveforms have other times, or another period.
     """
     waveforms = [each.waveform for each in drives if each.waveform is not None]
-    for each in waveforms[1:]:
-        first = waveforms[0]
-        if (each.periodic, each.start) != (first.periodic, first.start) or not np.array_equal(
-            each.pieces.x, first.pieces.x
-        ):
+    merged = waveforms[0] if waveforms else None
+    if merged is not None:
+        x, marks = merged.pieces.x, (merged.periodic, merged.start)
+        same = ((w.periodic, w.start) == marks and np.array_equal(w.pieces.x, x) for w in waveforms)
+        if not all(same):
             raise ValueError(
                 "Two waveforms have pieces at other times; all that move a plant must have the same times, "
                 "start and period. Sample them at the same times."
             )
-    merged = None
-    if waveforms:
-        x = waveforms[0].pieces.x
-        degree = max(len(each.pieces.c) for each in waveforms)
-        columns: list[Array] = []
+        columns = np.zeros((MOST_DEGREE + 1, x.size - 1, sum(len(each.phasors) for each in drives)))
+        first = 0
         for each in drives:
-            column = np.zeros((degree, x.size - 1, len(each.phasors)))
             if each.waveform is not None:
-                column[-len(each.waveform.pieces.c) :] = each.waveform.pieces.c
-            columns.append(column)
-        pieces = scipy.interpolate.PPoly.construct_fast(np.concatenate(columns, axis=2), x)
-        merged = Waveform(pieces, waveforms[0].periodic, waveforms[0].start)
+                c = each.waveform.pieces.c
+                columns[-len(c) :, :, first : first + c.shape[2]] = c
+            first += len(each.phasors)
+        merged = replace(merged, pieces=scipy.interpolate.PPoly(columns, x))
     phasors = scipy.linalg.block_diag(*(each.phasors for each in drives)).astype(np.complex128)
     return Drive(np.concatenate([each.frequency for each in drives]), phasors, merged)

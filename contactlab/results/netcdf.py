@@ -285,6 +285,8 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     }
     if motor.drive.frequency.size:
         settings["drive"] = {"frequency": motor.drive.frequency[0]}
+    if motor.plant is not None:
+        settings["plant"] = motor.plant.settings
     # Of a composed law it is that of its friction.
     own = parameters.get("friction_coefficient")
     if (friction := parameters.get("friction.friction_coefficient", own)) is not None:
