@@ -6,9 +6,9 @@ from types import NoneType
 from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
-from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, Keys, Section
+from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, MOTOR, OF_MOTOR, PLANTS, Keys, Section
 from contactlab.config.nesting import flat
-from contactlab.config.options import known_keys, unknown_key
+from contactlab.config.options import full_keys, known_keys, unknown_key
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
@@ -108,6 +108,12 @@ _KINDS: Final = {bool: "true or false", str: "a text", list[str]: "a list of tex
 KEYS: Final[Keys] = {"law": LAW, **GROUPS}
 """All that a run's configuration has."""
 
+_OF_PLANTS: Final[Keys] = {
+    **{name: section for name, section in KEYS.items() if name not in OF_MOTOR},
+    "contact": Section({"default": {SHARED: GROUPS["contact"].options["default"][SHARED]}}),
+}
+"""All that the configuration of a run of a small plant has."""
+
 
 class Examination:
     """Result of the check of a configuration.
@@ -120,6 +126,7 @@ class Examination:
     Attributes:
         values: those that are sound in themselves, in SI.
         faults: key, value and bound, a sentence each.
+        follows: of a small plant, numbers of a motor that must be those that follow from it, by full key.
     """
 
     def __init__(self, configuration: Any, keys: Keys = KEYS, rules: Sequence[Rule] = RULES) -> None:
@@ -128,6 +135,9 @@ class Examination:
         if not isinstance(configuration, Mapping):
             self.faults.append(f"The configuration is {describe(configuration)}; it must be a mapping.")
             return
+        self.follows: dict[str, Any] = {}
+        if keys is KEYS:
+            keys, configuration = self._of_plant(configuration)
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
         self.values = self._values(keys, configuration)
@@ -140,6 +150,26 @@ class Examination:
             # A rule with a faulty key is not checked.
             if len(values) == len(rule.keys) and not rule.holds(*values):
                 self.faults.append(rule.fault.format(*values))
+
+    def _of_plant(self, configuration: Mapping[str, Any]) -> tuple[Keys, Mapping[str, Any]]:
+        """Return the keys of a motor or of a plant, and its configuration without those of the other."""
+        plant = configuration.get("plant", {"name": MOTOR})
+        if plant == {"name": MOTOR}:
+            keys = {name: section for name, section in KEYS.items() if name != "plant"}
+            return keys, {name: section for name, section in configuration.items() if name != "plant"}
+        if not isinstance(plant, Mapping) or plant.get("name") not in PLANTS:
+            return KEYS, configuration
+        usual = {
+            f"{group}.{key}": field.default
+            for group in OF_MOTOR
+            for key, field in full_keys(next(iter(GROUPS[group].options.values())))
+        }
+        given = flat({group: configuration[group] for group in OF_MOTOR if group in configuration})
+        self.follows = {key: x for key, x in given.items() if key != FRICTION and x != usual.get(key, self)}
+        others: dict[str, Any] = {name: x for name, x in configuration.items() if name not in OF_MOTOR}
+        if FRICTION in given:
+            others["contact"] = {SHARED: given[FRICTION]}
+        return _OF_PLANTS, others
 
     def _values(
         self, keys: Keys, section: Mapping[str, Any], before: str = "", option: str = ""

@@ -126,7 +126,7 @@ def block(
         >>> lying = cl.block(50.0, weight=490.0, base=ground)
         >>> law = cl.LagrangeStick(friction_coefficient=0.2)
         >>> f"{cl.simulate(lying, law, duration=1.0)['point_body'][-1]:.3f} m"
-        '?'
+        '0.620 m'
     """
     root = sqrt(mass)
     drive = _tone(push_amplitude, push_frequency)
@@ -436,10 +436,6 @@ def slider(
         '0.767 mm/s'
     """
     root, led = sqrt(mass), drive_of("tip", tip)
-    geometry = ContactGeometry(FLAT, 1.0, 0.0)
-    # Where the tip begins aside, the slider lies on it all the same, but for round-off.
-    way = float(led.voltage(0.0)[0])
-    opened = (1.0 - CLOSED) * geometry.frame(0.0, -way / FLAT)[0]
     return Motor(
         modes=NormalModes(
             stiffness=np.zeros(2),
@@ -452,10 +448,10 @@ def slider(
             points={"tip": np.array([0.0, 1.0 / PRESCRIBED_ROOT])},
         ),
         drive=led,
-        geometry=geometry,
+        geometry=ContactGeometry(FLAT, 1.0, 0.0),
         rotor=Rotor(mass, damping, load, velocity),
         preload=np.array([weight / root, 0.0]),
-        start=ModalState(np.array([root * (penetration + opened), 0.0]), np.zeros(2)),
+        start=ModalState(np.array([root * penetration, 0.0]), np.zeros(2)),
     )
 
 

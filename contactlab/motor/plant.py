@@ -1,10 +1,10 @@
 """How a small plant was made: the arguments of its function, which are numbers with keys."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import MISSING, dataclass, replace
 from functools import cache, wraps
 from inspect import signature
-from typing import Any, ParamSpec, TypeVar, final, get_type_hints
+from typing import Annotated, Any, ParamSpec, TypeVar, final, get_args, get_origin, get_type_hints
 
 from contactlab.checks import Checked, checked_arguments
 from contactlab.immutable import Immutable
@@ -46,7 +46,7 @@ class Plant(Immutable):
     def numbers(self) -> dict[str, tuple[float, DeclaredField]]:
         """Values and declarations of the numbers by name, those of a motion as `table.amplitude`."""
         numbers: dict[str, tuple[float, DeclaredField]] = {}
-        for name, field in _declared(self.make).items():
+        for name, field in declared_arguments(self.make).items():
             value = self.arguments[name]
             if isinstance(value, Checked):
                 kind: type = type(value)
@@ -73,12 +73,14 @@ class Plant(Immutable):
 
 
 @cache
-def _declared(make: Callable[..., Any]) -> dict[str, DeclaredField]:
+def declared_arguments(make: Callable[..., Any]) -> dict[str, DeclaredField]:
     """Return the arguments of a function as fields of a class are declared."""
     hints, fields = get_type_hints(make, include_extras=True), {}
     for name, each in signature(make).parameters.items():
-        (kind, *_), declared = annotated(hints[name])
-        fields[name] = DeclaredField(kind, each.default, declared)
+        hint = hints[name]
+        kind = get_args(hint)[0] if get_origin(hint) is Annotated else hint
+        default = MISSING if each.default is each.empty else each.default
+        fields[name] = DeclaredField(kind, default, annotated(hint)[1])
     return fields
 
 
