@@ -1,4 +1,6 @@
-"""Small plants, each a `Motor`: a ball, an oscillator with a stop, a mass on a belt, a cantilever.
+"""Small plants, each a `Motor`: a ball, an oscillator with a stop, a mass on a belt, a cantilever, a slider.
+
+What a ball, a block or a slider meets may move; the numbers of every plant are keys, `plant.mass`.
 
 Beside them a body whose motion is prescribed, for `contactlab.drive`.
 
