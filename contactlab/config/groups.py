@@ -259,7 +259,7 @@ def _optional(field: DeclaredField, hint: str) -> DeclaredField:
     return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
 
 
-def _keys_of_plant(make: Callable[..., Any]) -> Keys:
+def keys_of_plant(make: Callable[..., Any]) -> Keys:
     """Return the keys of a small plant, those of its motions included."""
     keys: Keys = {}
     for name, field in declared_arguments(make).items():
@@ -337,7 +337,7 @@ GROUPS: Final[dict[str, Section]] = {
     "plant": Section(
         {
             MOTOR: named("name", MOTOR, {}),
-            **{name: named("name", name, _keys_of_plant(make)) for name, make in PLANTS.items()},
+            **{name: named("name", name, keys_of_plant(make)) for name, make in PLANTS.items()},
         },
         "name",
     ),

@@ -115,6 +115,29 @@ _OF_PLANTS: Final[Keys] = {
 """All that the configuration of a run of a small plant has."""
 
 
+def of_plant(configuration: Values) -> tuple[Keys, Values, dict[str, Any]]:
+    """Return the keys of a motor or of a small plant, and its configuration without what the other has.
+
+    Of a plant there are also the numbers of a motor that are not the usual ones, by full key.
+    """
+    plant = configuration.get("plant", {"name": MOTOR})
+    if plant == {"name": MOTOR}:
+        keys = {name: section for name, section in KEYS.items() if name != "plant"}
+        return keys, {name: section for name, section in configuration.items() if name != "plant"}, {}
+    if not isinstance(plant, Mapping) or plant.get("name") not in PLANTS:
+        return KEYS, configuration, {}
+    usual = {
+        f"{group}.{key}": field.default
+        for group in OF_MOTOR
+        for key, field in full_keys(next(iter(GROUPS[group].options.values())))
+    }
+    numbers = flat({group: configuration[group] for group in OF_MOTOR if group in configuration})
+    friction = {SHARED: numbers.pop(FRICTION)} if FRICTION in numbers else {}
+    others = {name: section for name, section in configuration.items() if name not in OF_MOTOR}
+    unusual = {key: value for key, value in numbers.items() if key not in usual or value != usual[key]}
+    return _OF_PLANTS, {**others, "contact": friction}, unusual
+
+
 class Examination:
     """Result of the check of a configuration.
 
@@ -135,9 +158,9 @@ class Examination:
         if not isinstance(configuration, Mapping):
             self.faults.append(f"The configuration is {describe(configuration)}; it must be a mapping.")
             return
-        self.follows: dict[str, Any] = {}
+        self.follows: Mapping[str, Any] = {}
         if keys is KEYS:
-            keys, configuration = self._of_plant(configuration)
+            keys, configuration, self.follows = of_plant(configuration)
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
         self.values = self._values(keys, configuration)
@@ -150,26 +173,6 @@ class Examination:
             # A rule with a faulty key is not checked.
             if len(values) == len(rule.keys) and not rule.holds(*values):
                 self.faults.append(rule.fault.format(*values))
-
-    def _of_plant(self, configuration: Mapping[str, Any]) -> tuple[Keys, Mapping[str, Any]]:
-        """Return the keys of a motor or of a plant, and its configuration without those of the other."""
-        plant = configuration.get("plant", {"name": MOTOR})
-        if plant == {"name": MOTOR}:
-            keys = {name: section for name, section in KEYS.items() if name != "plant"}
-            return keys, {name: section for name, section in configuration.items() if name != "plant"}
-        if not isinstance(plant, Mapping) or plant.get("name") not in PLANTS:
-            return KEYS, configuration
-        usual = {
-            f"{group}.{key}": field.default
-            for group in OF_MOTOR
-            for key, field in full_keys(next(iter(GROUPS[group].options.values())))
-        }
-        given = flat({group: configuration[group] for group in OF_MOTOR if group in configuration})
-        self.follows = {key: x for key, x in given.items() if key != FRICTION and x != usual.get(key, self)}
-        others: dict[str, Any] = {name: x for name, x in configuration.items() if name not in OF_MOTOR}
-        if FRICTION in given:
-            others["contact"] = {SHARED: given[FRICTION]}
-        return _OF_PLANTS, others
 
     def _values(
         self, keys: Keys, section: Mapping[str, Any], before: str = "", option: str = ""

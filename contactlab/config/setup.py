@@ -20,7 +20,7 @@ from contactlab.config.motors import motor_of, plant_of
 from contactlab.config.nesting import flat
 from contactlab.config.numbers import Number, numbers_of
 from contactlab.config.options import groups
-from contactlab.config.schema import Examination, declared_in
+from contactlab.config.schema import Examination, declared_in, of_plant
 from contactlab.engine.arguments import check_kinds
 from contactlab.engine.defaults import run_numbers
 from contactlab.engine.equilibrium import at_rest
@@ -341,10 +341,6 @@ def assembled(
         ConfigurationError: the sections do not fit each other, or a file cannot be used.
     """
     motor = motor_of(values, modes)
-    # Of a plant, the friction coefficient alone is a key of the contact.
-    source = {group: configuration[group] for group in values if group in configuration}
-    if "plant" in values:
-        source["contact"] = {SHARED: configuration["contact"][SHARED]}
     solver, record, changes = values["solver"], values["record"], values["solver"]["changes"] or ()
     duration, step = solver["duration"], solver["contact_step"]
     numbers = run_numbers(motor, law, duration, record["interval"], step, solver["tolerance"])
@@ -368,7 +364,7 @@ def assembled(
         values |= {group: follows[group] | values.get(group, {}) for group in ("contact", "rotor")}
     arguments = {name: values[section][key] for name, (section, key) in PLACES.items()}
     files = tuple(contents_of(values).values())
-    origin = Origin(frozen(source), frozen(values), motor, law, later, files)
+    origin = Origin(frozen(of_plant(configuration)[1]), frozen(values), motor, law, later, files)
     return Setup(motor, law, **arguments, changes=later, origin=origin)
 
 

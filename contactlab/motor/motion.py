@@ -111,7 +111,21 @@ def drive_of(name: str, motion: Motion) -> Drive:
         lines[-len(c) :, early:-1] = c
         lines[-2:, [0, -1] if early else [-1], 0] = ends if early else ends[:, 1:]
         motion = Waveform(scipy.interpolate.PPoly.construct_fast(lines, edges), start=motion.start)
-    _check_smooth(name, motion)
+    for what, pieces in {"displacement": motion.pieces, "velocity": motion.pieces.derivative()}.items():
+        # Values where pieces end; of a motion that repeats itself, the first one follows the last.
+        ends, lasts = np.zeros(pieces.x.size - 1), np.diff(pieces.x)
+        for power in pieces.c[:, :, 0]:
+            ends = ends * lasts + power
+        counted = slice(None if motion.periodic else -1)
+        starts = np.roll(pieces.c[-1, :, 0], -1)[counted]
+        jumps = np.abs(starts - ends[counted])
+        if (jumps > SMOOTH * np.abs(starts).max(initial=0.0)).any():
+            at = pieces.x[1 + jumps.argmax()]
+            raise ValueError(
+                f"{name}: the {what} jumps by {jumps.max():.6g} at {at:.6g} s of the waveform; it must be "
+                "continuous, as no force has a bound there. Join the pieces by one of finite acceleration, as "
+                "the corners of a Sawtooth."
+            )
     return Drive(phasors=np.zeros((1, 0), np.complex128), waveform=motion)
 
 
@@ -126,28 +140,6 @@ def force_of(drive: Drive, stiffness: float, damping: float) -> Drive:
         if order < len(c):
             c[order:] += factor * motion.pieces.derivative(order).c
     return replace(drive, waveform=replace(motion, pieces=type(motion.pieces)(c, motion.pieces.x)))
-
-
-def _check_smooth(name: str, motion: Waveform) -> None:
-    """Refuse a displacement or velocity that jumps: rigid bodies would meet forces without bounds."""
-    c, x = motion.pieces.c, motion.pieces.x
-    for order, what in enumerate(("displacement", "velocity")):
-        starts = motion.pieces(x[:-1], order)[:, 0]
-        ends = np.array(
-            [
-                np.polyval(np.polyder(each, order), dt)
-                for each, dt in zip(c[:, :, 0].T, np.diff(x), strict=True)
-            ]
-        )
-        # Of a motion that repeats itself, the first piece follows the last one.
-        jumps = np.abs(np.roll(starts, -1) - ends)[: None if motion.periodic else -1]
-        scale = np.abs(starts[0 if motion.periodic else 1 :]).max(initial=0.0)
-        if (jumps > SMOOTH * scale).any():
-            at = np.roll(x[:-1], -1)[int(jumps.argmax())]
-            raise ValueError(
-                f"{name}: the {what} jumps by {jumps.max():.6g} at {at:.6g} s of the waveform; it must be "
-                "continuous. Join the pieces by one of finite acceleration, as the corners of a Sawtooth."
-            )
 
 
 def together(*drives: Drive) -> Drive:

@@ -77,7 +77,7 @@ def test_branches_and_sweeps_of_a_plant_by_keys_are_those_of_python() -> None:
     rises = {"plant.tip.rise": [0.7, 0.8], "law": ["newton", "lagrange_stick"]}
     swept = cl.sweep(rises, [*DRIVEN[:-1], "solver.duration=5 ms"], workers=1)
     alone = cl.simulate(SLIDER, built.law, duration=5e-3)
-    found = swept["final_rotor_velocity"].sel(rise=0.8, law="newton")
-    assert found == alone["rotor_velocity"][-1]
+    rigid = swept["final_rotor_velocity"].sel(rise=0.8, law="newton")
+    assert rigid == alone["rotor_velocity"][-1]
     python = cl.sweep({"plant.tip.rise": [0.7, 0.8]}, cl.Setup.of(SLIDER, built.law, 5e-3), workers=1)
     assert np.array_equal(python["final_rotor_velocity"], swept["final_rotor_velocity"].sel(law="newton"))
