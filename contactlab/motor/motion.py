@@ -123,7 +123,7 @@ def drive_of(name: str, motion: Motion) -> Drive:
             at = pieces.x[1 + jumps.argmax()]
             raise ValueError(
                 f"{name}: the {what} jumps by {jumps.max():.6g} at {at:.6g} s of the waveform; it must be "
-                "continuous, as no force has a bound there. Join the pieces by one of finite acceleration, as "
+                "continuous, as no force has a bound there. Join pieces by one of finite acceleration, as "
                 "the corners of a Sawtooth."
             )
     return Drive(phasors=np.zeros((1, 0), np.complex128), waveform=motion)
