@@ -79,8 +79,10 @@ from contactlab.motor import (
     Piezoceramic as Piezoceramic,
     RitzResonator as RitzResonator,
     Rotor as Rotor,
+    Sawtooth as Sawtooth,
     Steel as Steel,
     TwoPhase as TwoPhase,
+    Vibration as Vibration,
     Waveform as Waveform,
     add_residual_modes as add_residual_modes,
     ball as ball,
@@ -90,6 +92,7 @@ from contactlab.motor import (
     on_bearing as on_bearing,
     oscillator as oscillator,
     reduced as reduced,
+    slider as slider,
 )
 from contactlab.motor.modal import read_modes as read_modes, write_modes as write_modes
 from contactlab.motor.table import MeasurementError as MeasurementError

@@ -97,7 +97,8 @@ def as_overrides(verb: str, arguments: Sequence[str]) -> list[str]:
         lines.append(f"study.{name}={texts[-1]}")
     several = [] if sweeps else _of_setups(study, others)
     chosen = [word.partition("=")[0] for word in others]
-    free = [each for each in study.presets if {each.partition("=")[0], "experiment"}.isdisjoint(chosen)]
+    own = {"experiment", "plant"}
+    free = [each for each in study.presets if {each.partition("=")[0], *own}.isdisjoint(chosen)]
     lines += [*free, *(word for word in others if word not in several)]
     if several:
         lines.append(f"sweep.over=[{','.join(map(quoted, several))}]")

@@ -23,8 +23,17 @@ from contactlab.checks import Checked
 from contactlab.laws.declaration import SHARED, family_of, members_of
 from contactlab.laws.lagrange import LagrangeSlip
 from contactlab.laws.registry import PARTS, class_of, law_names
-from contactlab.motor import Chirp, FiniteElementResonator, RitzResonator, TwoMode, TwoPhase
+from contactlab.motor import (
+    Chirp,
+    FiniteElementResonator,
+    RitzResonator,
+    Sawtooth,
+    TwoMode,
+    TwoPhase,
+    Vibration,
+)
 from contactlab.motor.modal import ModalFile
+from contactlab.motor.plant import declared_arguments
 from contactlab.parameter import DeclaredField, Parameter, declared_fields, positive
 from contactlab.settling.criterion import LONGEST, PRECISION, Until
 from contactlab.settling.verdict import SHARE
@@ -101,6 +110,21 @@ SIGNALS: Final[dict[str, type]] = {
 }
 """What drives the electrodes, by the names of the options."""
 
+
+MOTOR: Final = "motor"
+"""Option of the group `plant` that is the motor of the other groups."""
+
+PLANTS: Final = {
+    make.__name__: make
+    for make in (motor.ball, motor.belt, motor.block, motor.cantilever, motor.oscillator, motor.slider)
+}
+"""Small plants in place of the motor of the other groups: functions, whose numbers are the keys."""
+
+MOTIONS: Final[dict[str, type]] = {"table": Vibration, "base": Vibration, "tip": Sawtooth}
+"""Arguments of plants that are motions, by the kind that keys describe."""
+
+OF_MOTOR: Final = ("resonator", "piezoceramic", "placement", "drive", "contact", "rotor")
+"""Groups of which a plant has nothing but the friction coefficient that laws share."""
 
 DURATION: Final = 0.02
 """Duration of a run where none is configured [s]."""
@@ -235,6 +259,23 @@ def _optional(field: DeclaredField, hint: str) -> DeclaredField:
     return replace(_narrowed(field, hint=hint), kind=field.kind | None, default=None)
 
 
+def keys_of_plant(make: Callable[..., Any]) -> Keys:
+    """Return the keys of a small plant, those of its motions included."""
+    keys: Keys = {}
+    for name, field in declared_arguments(make).items():
+        if field.is_number:
+            keys[name] = field
+        elif name in MOTIONS:
+            own = keys_of(MOTIONS[name])
+            if field.default is None:
+                # The first number says whether there is a motion.
+                first, declared = next(iter(own.items()))
+                assert isinstance(declared, DeclaredField)
+                own[first] = _optional(declared, "null is none.")
+            keys[name] = Section({"default": own})
+    return keys
+
+
 _BEAM: Final = declared_fields(motor.PatchedBeam)
 _CONTACT: Final = declared_fields(motor.ContactGeometry)
 _BEARING_FIELDS: Final = declared_fields(motor.Bearing)
@@ -293,6 +334,13 @@ GROUPS: Final[dict[str, Section]] = {
     "rotor": Section({"default": {"radius": _CONTACT["rotor_radius"], **keys_of(motor.Rotor), **_BEARING}}),
     "solver": Section({"default": keys_of(Solver)}),
     "record": Section({"default": keys_of(Record)}),
+    "plant": Section(
+        {
+            MOTOR: named("name", MOTOR, {}),
+            **{name: named("name", name, keys_of_plant(make)) for name, make in PLANTS.items()},
+        },
+        "name",
+    ),
 }
 """The groups of a run but that of the laws, in the order of a configuration."""
 

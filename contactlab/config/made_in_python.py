@@ -47,7 +47,7 @@ def variable_numbers(setup: MotorUnderLaw) -> dict[str, tuple[tuple[str, ...], D
 
     Beam and voltages are not among them: such a motor has modes and phasors alone. Of its tones it is the
     frequency and the largest amplitude of the first, to which the others keep their ratios, where no waveform
-    has a time of its own.
+    has a time of its own. A small plant has the arguments of its function too, `plant.table.amplitude`.
     """
     owners = [("contact", ("motor", "geometry")), ("rotor", ("motor", "rotor")), ("law", ("law",))]
     numbers = {}
@@ -61,8 +61,12 @@ def variable_numbers(setup: MotorUnderLaw) -> dict[str, tuple[tuple[str, ...], D
             elif field.is_number:
                 numbers[f"{group}.{name}"] = (*path, name), field
     numbers["rotor.radius"] = numbers.pop("contact.rotor_radius")
-    drive = setup.motor.drive
-    if drive.frequency.size and drive.waveform is None:
+    plant, modes, drive = setup.motor.plant, setup.motor.modes, setup.motor.drive
+    if plant is not None:
+        numbers |= {f"plant.{name}": (("motor", "plant", name), x) for name, (_, x) in plant.numbers.items()}
+    # A base whose displacement is recorded drives by its acceleration too: its numbers are the plant's.
+    recorded = modes.is_prescribed & (modes.approach == 0.0) & (modes.tip_slope == 0.0)
+    if drive.frequency.size and drive.waveform is None and not recorded.any():
         first = declared_fields(TwoMode)["frequency"]
         assert first.parameter is not None
         declared = DeclaredField(float, first.default, replace(first.parameter, hint=""))
@@ -104,6 +108,8 @@ def with_number(setup: Made, key: str, value: object) -> Made:
 def _replaced(owner: Any, path: tuple[str, ...], value: Any) -> Any:
     """Return a dataclass with another value at a path of attributes."""
     name, *rest = path
+    if isinstance(owner, Motor) and name == "plant" and owner.plant is not None:
+        return owner.plant.with_number(rest[0], value)
     if isinstance(owner, Drive):
         return owner.with_amplitude(value) if name == "amplitude" else owner.with_first_tone(value)
     return replace(owner, **{name: _replaced(getattr(owner, name), tuple(rest), value) if rest else value})

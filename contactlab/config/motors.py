@@ -13,7 +13,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.checks import check_kind
 from contactlab.config.faults import ConfigurationError, as_fault, one_line, raise_faults
-from contactlab.config.groups import BASES, GROUPS, MODAL, OF_BEAMS, SIGNALS, resonator_class
+from contactlab.config.groups import BASES, GROUPS, MODAL, MOTIONS, OF_BEAMS, PLANTS, SIGNALS, resonator_class
 from contactlab.motor import (
     Bearing,
     ContactGeometry,
@@ -50,6 +50,8 @@ def motor_of(values: dict[str, Any], modes: NormalModes | None = None) -> Motor:
     Raises:
         ConfigurationError: the sections do not fit each other, or a file cannot be used.
     """
+    if "plant" in values:
+        return plant_of(values["plant"])
     contact, rotor = values["contact"], dict(values["rotor"])
     radius, mass = rotor.pop("radius"), rotor.pop("mass")
     bearing = {name: rotor.pop(f"bearing_{name}") for name in ("stiffness", "damping")}
@@ -62,6 +64,27 @@ def motor_of(values: dict[str, Any], modes: NormalModes | None = None) -> Motor:
         mass = values["rotor"]["mass"] = 2.0 * motor.rotor.inertia / radius**2
     with as_fault():
         return on_bearing(motor, Bearing(mass, contact["preload"], **bearing))
+
+
+def plant_of(section: Mapping[str, Any]) -> Motor:
+    """Return the small plant of a checked section; a ConfigurationError if its numbers do not fit."""
+    numbers = {**section}
+    name = numbers.pop("name")
+    for key, kind in MOTIONS.items():
+        if key in numbers:
+            own = numbers[key]
+            first, *rest = own
+            if own[first] is None:
+                usual = kind()
+                raise_faults(
+                    f"plant.{key}.{leaf} is {own[leaf]}; it must come with plant.{key}.{first}."
+                    for leaf in rest
+                    if own[leaf] != getattr(usual, leaf)
+                )
+            with as_fault(f"plant.{key}: "):
+                numbers[key] = None if own[first] is None else kind(**own)
+    with as_fault(f"plant={name}: "):
+        return PLANTS[name](**numbers)
 
 
 def _modes(values: Mapping[str, Any]) -> NormalModes:

@@ -130,7 +130,9 @@ def key_meant(key: str, known: Sequence[str], otherwise: str) -> str:
     every = dict(full_keys({group: section for group, section in GROUPS.items() if not section.selector}))
     symbols = [name for name, field in every.items() if field.parameter and field.parameter.symbol == key]
     meant = f"Did you mean {' or '.join(symbols)}?" if symbols else otherwise
-    return suggestion(key, known, meant)
+    # Those of small plants, whose numbers have the names of a motor's, come last.
+    plants = [name for name in known if name.startswith("plant.")]
+    return suggestion(key, [name for name in known if name not in plants], suggestion(key, plants, meant))
 
 
 def help_on_keys() -> str:

@@ -6,9 +6,9 @@ from types import NoneType
 from typing import Any, Final, NamedTuple, get_args, get_origin
 
 from contactlab.checks import MOST_RECORDS, RECORD_SIZE, SMALLEST_STEP, is_kind, size_of
-from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, Keys, Section
+from contactlab.config.groups import ADDED, DURATION, GROUPS, LAW, MOTOR, OF_MOTOR, PLANTS, Keys, Section
 from contactlab.config.nesting import flat
-from contactlab.config.options import known_keys, unknown_key
+from contactlab.config.options import full_keys, known_keys, unknown_key
 from contactlab.laws.base import PenaltyLaw
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import law_class
@@ -108,6 +108,35 @@ _KINDS: Final = {bool: "true or false", str: "a text", list[str]: "a list of tex
 KEYS: Final[Keys] = {"law": LAW, **GROUPS}
 """All that a run's configuration has."""
 
+_OF_PLANTS: Final[Keys] = {
+    **{name: section for name, section in KEYS.items() if name not in OF_MOTOR},
+    "contact": Section({"default": {SHARED: GROUPS["contact"].options["default"][SHARED]}}),
+}
+"""All that the configuration of a run of a small plant has."""
+
+
+def of_plant(configuration: Values) -> tuple[Keys, Values, dict[str, Any]]:
+    """Return the keys of a motor or of a small plant, and its configuration without what the other has.
+
+    Of a plant there are also the numbers of a motor that are not the usual ones, by full key.
+    """
+    plant = configuration.get("plant", {"name": MOTOR})
+    if plant == {"name": MOTOR}:
+        keys = {name: section for name, section in KEYS.items() if name != "plant"}
+        return keys, {name: section for name, section in configuration.items() if name != "plant"}, {}
+    if not isinstance(plant, Mapping) or plant.get("name") not in PLANTS:
+        return KEYS, configuration, {}
+    usual = {
+        f"{group}.{key}": field.default
+        for group in OF_MOTOR
+        for key, field in full_keys(next(iter(GROUPS[group].options.values())))
+    }
+    numbers = flat({group: configuration[group] for group in OF_MOTOR if group in configuration})
+    friction = {SHARED: numbers.pop(FRICTION)} if FRICTION in numbers else {}
+    others = {name: section for name, section in configuration.items() if name not in OF_MOTOR}
+    unusual = {key: value for key, value in numbers.items() if key not in usual or value != usual[key]}
+    return _OF_PLANTS, {**others, "contact": friction}, unusual
+
 
 class Examination:
     """Result of the check of a configuration.
@@ -120,6 +149,7 @@ class Examination:
     Attributes:
         values: those that are sound in themselves, in SI.
         faults: key, value and bound, a sentence each.
+        follows: of a small plant, numbers of a motor that must be those that follow from it, by full key.
     """
 
     def __init__(self, configuration: Any, keys: Keys = KEYS, rules: Sequence[Rule] = RULES) -> None:
@@ -128,6 +158,9 @@ class Examination:
         if not isinstance(configuration, Mapping):
             self.faults.append(f"The configuration is {describe(configuration)}; it must be a mapping.")
             return
+        self.follows: Mapping[str, Any] = {}
+        if keys is KEYS:
+            keys, configuration, self.follows = of_plant(configuration)
         law = configuration.get("law")
         self._law = str(law.get("name") if isinstance(law, Mapping) else None)
         self.values = self._values(keys, configuration)

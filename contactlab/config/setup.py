@@ -16,11 +16,11 @@ from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line
 from contactlab.config.made_in_python import PLACES, with_number
-from contactlab.config.motors import motor_of
+from contactlab.config.motors import motor_of, plant_of
 from contactlab.config.nesting import flat
 from contactlab.config.numbers import Number, numbers_of
 from contactlab.config.options import groups
-from contactlab.config.schema import Examination, declared_in
+from contactlab.config.schema import Examination, declared_in, of_plant
 from contactlab.engine.arguments import check_kinds
 from contactlab.engine.defaults import run_numbers
 from contactlab.engine.equilibrium import at_rest
@@ -32,7 +32,7 @@ from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import Motor, NormalModes
-from contactlab.results.netcdf import contents_of, keep, settings_of
+from contactlab.results.netcdf import contents_of, keep, motor_settings, settings_of
 from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
@@ -222,6 +222,8 @@ class Setup:
             if getattr(self, name) != origin.configuration[section][key]:
                 source[section][key] = getattr(self, name)
         rotor = self.configuration["rotor"]
+        if "plant" in source:
+            return source
         source["rotor"] |= {k: x for k, x in rotor.items() if x != origin.configuration["rotor"][k]}
         return source
 
@@ -293,7 +295,7 @@ class Origin:
 
     def is_of(self, setup: Setup) -> bool:
         """Return whether a setup runs what was built, the rotor's numbers and those of the run apart."""
-        parts = ("modes", "drive", "geometry", "preload", "start")
+        parts = ("modes", "drive", "geometry", "preload", "start", *(["rotor"] if self.motor.plant else []))
         same = all(getattr(setup.motor, name) is getattr(self.motor, name) for name in parts)
         return same and setup.changes is self.changes and setup.law == self.law
 
@@ -347,7 +349,7 @@ def assembled(
     with as_fault():
         more, parts = len(law.internal_variables), len(changes) + 1
         check_records(duration, record["interval"], "record.interval", more, parts)
-    if (preload := values["contact"]["preload"]) is not None:
+    if "plant" not in values and (preload := values["contact"]["preload"]) is not None:
         with as_fault(f"contact.preload is {preload:g} N. ", LawError):
             motor = at_rest(motor, law)
     later = tuple((time, motor_of(_checked(each)[0])) for time, each in changed(values, changes, duration))
@@ -357,9 +359,12 @@ def assembled(
     # What follows from the rotor takes its place in the configuration.
     of_law = {key for key, value in values["law"].items() if not isinstance(value, str | dict)}
     values["law"] |= {key: getattr(law, key) for key in of_law}
+    if "plant" in values:
+        follows = motor_settings(motor)
+        values |= {group: follows[group] | values.get(group, {}) for group in ("contact", "rotor")}
     arguments = {name: values[section][key] for name, (section, key) in PLACES.items()}
     files = tuple(contents_of(values).values())
-    origin = Origin(frozen({**configuration}), frozen(values), motor, law, later, files)
+    origin = Origin(frozen(of_plant(configuration)[1]), frozen(values), motor, law, later, files)
     return Setup(motor, law, **arguments, changes=later, origin=origin)
 
 
@@ -372,9 +377,20 @@ def _checked(configuration: Values) -> tuple[dict[str, Any], ContactLaw]:
     examined = Examination(configuration)
     law, faults = None, examined.faults
     contact, rotor = (examined.values.get(name, {}) for name in ("contact", "rotor"))
-    if SHARED in contact and "radius" in rotor and not any(f.startswith("law") for f in faults):
+    radius, plant = rotor.get("radius"), examined.values.get("plant")
+    if plant is not None and not faults:
         with faults_added(faults):
-            law = law_of(examined.values["law"], contact[SHARED], rotor["radius"])
+            made = plant_of(plant)
+            radius = made.geometry.rotor_radius
+            known = flat(motor_settings(made))
+            faults += [
+                f"{key} is {value}; it must be left out with plant={plant['name']}, which has its own."
+                for key, value in examined.follows.items()
+                if known.get(key, examined) != value
+            ]
+    if SHARED in contact and radius is not None and not any(f.startswith("law") for f in faults):
+        with faults_added(faults):
+            law = law_of(examined.values["law"], contact[SHARED], radius)
     if faults or law is None:
         raise ConfigurationError(faults)
     return examined.values, law

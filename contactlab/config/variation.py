@@ -45,6 +45,8 @@ class _Common(NamedTuple):
         if not source or any(configuration[name] != section for name, section in source.items()):
             # A value that refers to another key.
             return None
+        if "plant" in source:
+            return None
         examined = Examination(source)
         numbers = numbers_in(source)
         if not numbers.keys() >= {*keys}:

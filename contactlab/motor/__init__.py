@@ -1,10 +1,11 @@
 """What moves: a resonator in one of several bases, its drive, the tip and the rotor."""
 
 from contactlab.motor.bearing import Bearing, on_bearing
-from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator
+from contactlab.motor.bodies import ball, belt, block, cantilever, oscillator, slider
 from contactlab.motor.drive import Chirp, Drive, TwoMode, TwoPhase
 from contactlab.motor.finite_element import FiniteElementResonator
 from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.motion import Sawtooth, Vibration
 from contactlab.motor.motor import ModalState, Motor, NormalModes, Rotor
 from contactlab.motor.patched_beam import PatchedBeam, Piezoceramic, PiezoceramicDatasheet, Steel
 from contactlab.motor.reduction import reduced
@@ -27,9 +28,11 @@ __all__ = [
     "RitzMatrices",
     "RitzResonator",
     "Rotor",
+    "Sawtooth",
     "Steel",
     "TwoMode",
     "TwoPhase",
+    "Vibration",
     "Waveform",
     "add_residual_modes",
     "ball",
@@ -39,4 +42,5 @@ __all__ = [
     "on_bearing",
     "oscillator",
     "reduced",
+    "slider",
 ]

@@ -13,6 +13,7 @@ from contactlab.checks import Checked, check_number, check_shape
 from contactlab.immutable import Immutable
 from contactlab.motor.drive import Drive
 from contactlab.motor.geometry import ContactGeometry
+from contactlab.motor.plant import Plant
 from contactlab.parameter import Parameter, not_negative, positive
 
 ROUND_OFF: Final = 1e-9
@@ -239,6 +240,9 @@ class Motor(Checked, Immutable):
             rotor on the tip.
         start: state at t = 0; None is at rest without displacement. A prescribed mode begins where its
             voltages say.
+
+    Attributes:
+        plant: how `contactlab.motor.bodies` made it; None of another, and of one with something replaced.
     """
 
     modes: NormalModes
@@ -247,6 +251,7 @@ class Motor(Checked, Immutable):
     rotor: Rotor = field(default_factory=Rotor)
     preload: Array | None = None
     start: ModalState | None = None
+    plant: Plant | None = field(init=False, default=None)
 
     def __post_init__(self) -> None:
         self.freeze()

@@ -21,6 +21,9 @@ MOST_DEGREE: Final = 7
 MOST_SAMPLES: Final = 2_000_000
 """Samples of a waveform; each takes some 700 bytes with the polynomials through it."""
 
+MEAN: Final = 1e-12
+"""Mean over the largest value of a waveform that counts as none [1]."""
+
 SAMPLED_TURN: Final = 0.3
 """Angle between samples of a formula [rad]: a spline of degree 7 misses a sine by 1e-10 of its amplitude."""
 
@@ -134,6 +137,31 @@ class Waveform(Immutable):
         """Return the waveform whose clock is ahead by a time [s]."""
         start = self.start + time
         return replace(self, start=start % self.period if self.periodic else start)
+
+    def integral(self) -> "Waveform":
+        """Return the waveform of the integral: a velocity's displacement, an acceleration's velocity.
+
+        It begins at zero; of one that repeats itself, whose mean must be zero, so is its own mean.
+
+            >>> ramp = Waveform.sampled(np.array([0.0, 2.0]), np.array([[0.0, 4.0]]), degree=1)
+            >>> ramp.integral().voltage(2.0).tolist()
+            [4.0]
+
+        Raises:
+            ValueError: the mean over a period is not zero, or the degree is the highest already.
+        """
+        pieces: Any = self.pieces.antiderivative()
+        if self.periodic:
+            first, last = self.pieces.x[[0, -1]]
+            drift = np.abs(pieces(last) - pieces(first))
+            scale = self.period * np.abs(self.pieces(self.pieces.x[:-1])).max()
+            if (drift > MEAN * scale).any():
+                raise ValueError(
+                    f"The mean over a period is {drift.max() / self.period:.6g}; it must be zero for the "
+                    "integral to repeat itself."
+                )
+            pieces.c[-1] -= pieces.antiderivative()(last) / self.period
+        return Waveform(pieces, self.periodic, self.start)
 
     def table(self) -> Array:
         """Return rows of the time at which a piece begins and its derivatives there, electrode by electrode.

@@ -277,14 +277,8 @@ def state_of(tree: "xarray.DataTree") -> dict[str, Any]:
 
 def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     """Return the numbers of a motor and a law by the keys of a configuration, where there is none."""
-    parameters, geometry = law.describe(), motor.geometry
-    settings: dict[str, dict[str, Any]] = {
-        "law": {"name": law.name, **parameters},
-        "contact": {name: getattr(geometry, name) for name in ("tip_length", "clearance", "angle")},
-        "rotor": {"radius": geometry.rotor_radius, **asdict(motor.rotor)},
-    }
-    if motor.drive.frequency.size:
-        settings["drive"] = {"frequency": motor.drive.frequency[0]}
+    parameters = law.describe()
+    settings: dict[str, dict[str, Any]] = {"law": {"name": law.name, **parameters}, **motor_settings(motor)}
     # Of a composed law it is that of its friction.
     own = parameters.get("friction_coefficient")
     if (friction := parameters.get("friction.friction_coefficient", own)) is not None:
@@ -292,6 +286,20 @@ def settings_of(motor: Motor, law: ContactLaw) -> dict[str, Any]:
     # Plain numbers, whatever a motor was made from.
     plain: dict[str, Any] = json.loads(json.dumps(settings, default=float))
     return plain
+
+
+def motor_settings(motor: Motor) -> dict[str, dict[str, Any]]:
+    """Return the numbers of a motor by the keys of a configuration."""
+    geometry = motor.geometry
+    settings: dict[str, dict[str, Any]] = {
+        "contact": {name: getattr(geometry, name) for name in ("tip_length", "clearance", "angle")},
+        "rotor": {"radius": geometry.rotor_radius, **asdict(motor.rotor)},
+    }
+    if motor.drive.frequency.size:
+        settings["drive"] = {"frequency": motor.drive.frequency[0]}
+    if motor.plant is not None:
+        settings["plant"] = motor.plant.settings
+    return settings
 
 
 def configuration_of(attributes: Mapping[Any, Any]) -> dict[str, Any]:

@@ -137,7 +137,7 @@ def done_parts(
     """
     store = None
     # A motor made in Python has no configuration that determines it.
-    if folder is not None and all("resonator" in setup.configuration for setup in setups.values()):
+    if folder is not None and not any(setup.made_in_python for setup in setups.values()):
         store = Store(folder / TASKS, study, setups)
     parts, details = Parts(()), None
     tasks = list(study.tasks(setups))

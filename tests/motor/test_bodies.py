@@ -87,7 +87,7 @@ def test_a_cantilever_has_the_textbooks_modes() -> None:
     [
         (lambda: cl.ball(0.0), "mass"),
         (lambda: cl.ball(gyration=-1.0), "gyration"),
-        (lambda: cl.belt(1.0, belt_mass=0.0), "belt mass"),
+        (lambda: cl.belt(1.0, belt_mass=0.0), "belt_mass"),
         (lambda: cl.cantilever(modes=0), "modes"),
         (lambda: cl.cantilever(thickness=np.inf), "thickness"),
     ],

@@ -23,10 +23,10 @@ CALLS: dict[str, dict[str, Any]] = {
     },
     "at_rest": {"motor": cl.ball(1e-3), "law": cl.HertzPenalty()},
     "attractors": {"motor": SETUP, "count": 1, "seed": 0, "law": None, "velocity": None, "longest": 1},
-    "ball": {"mass": 1.0, "height": 0.0, "speed": 0.0, "velocity": 0.0, "spin": 0.0, "gravity": 9.81},
+    "ball": {"mass": 1.0, "height": 0.0, "speed": 0.0, "velocity": 0.0, "spin": 0.0, "table": None},
     "basins": {"motor": SETUP.motor, "axes": None, "law": None, "output": None, "progress": None},
     "belt": {"mass": 1.0, "stiffness": 1.0, "weight": 1.0, "belt_mass": None, "penetration": 0.0},
-    "block": {"mass": 1.0, "height": 0.0, "weight": 0.0, "load_velocity": None, "touching": False},
+    "block": {"mass": 1.0, "height": 0.0, "weight": 0.0, "load_velocity": None, "base": None},
     "branch": {
         "motor": SETUP, "parameter": "contact.clearance", "start": 1e-6, "end": 1e-6, "law": None,
         "belt": None, "step": 0.1, "output": None, "progress": None,
@@ -76,6 +76,7 @@ CALLS: dict[str, dict[str, Any]] = {
         "motor": SETUP, "law": None, "duration": None, "record_interval": None, "contact_step": None,
         "tolerance": None, "until": None, "precision": 0.5, "start": None, "progress": None,
     },
+    "slider": {"mass": 1.0, "tip": cl.Sawtooth(), "weight": 1.0, "load": 0.0, "penetration": 0.0},
     "steady": {
         "motor": SETUP, "law": None, "contact_step": None, "tolerance": None, "start": None, "refine": False,
         "output": None, "progress": None, "longest": 1,

@@ -1,0 +1,255 @@
+"""Driven tables, grounds and tips beside a free body: closed forms, and the ledger of each closes."""
+
+from math import asin, cos, hypot, pi, sqrt
+from typing import Any
+
+import numpy as np
+import pytest
+from numpy.testing import assert_allclose
+from scipy.interpolate import PPoly
+from scipy.optimize import brentq
+
+import contactlab as cl
+
+G, MU = 9.81, 0.2
+STIFFNESS = 1e8
+RIGID = cl.LagrangeStick(friction_coefficient=MU)
+COMPLIANT = cl.Composed(cl.Linear(STIFFNESS), cl.Undamped(), cl.Coulomb(MU))
+LAWS = pytest.mark.parametrize("law", [RIGID, COMPLIANT], ids=["rigid", "compliant"])
+
+
+def sunk(law: cl.ContactLaw, weight: float) -> float:
+    """Penetration under a weight."""
+    return weight / STIFFNESS if law is COMPLIANT else 0.0
+
+
+def open_share(run: cl.Solution) -> float:
+    """Residual of the energy ledger over what the drive gives and takes."""
+    return float(abs(run["energy_residual"]).max() / abs(run["drive_work"]).max())
+
+
+@LAWS
+def test_newmarks_block_slides_as_far_as_the_pulse_says(law: cl.ContactLaw) -> None:
+    mass, pulse, lasts = 50.0, 0.5 * G, 0.4
+    velocity = pulse * lasts
+    # Accelerated for a time, then at a constant velocity.
+    ground = cl.Waveform(PPoly(np.array([[[pulse], [0.0]], [[0.0], [velocity]]]), [0.0, lasts, 0.5]))
+    block = cl.block(mass, weight=mass * G, height=-sunk(law, mass * G), base=ground.integral())
+    run = cl.simulate(block, law, duration=3.0, record_interval=1e-2)
+    expected = 0.5 * velocity**2 * (1.0 / (MU * G) - 1.0 / pulse)
+    assert_allclose(run["point_base"][-1] - run["point_body"][-1], expected, rtol=1e-9)
+    assert_allclose(run["point_base"][-1], velocity * (3.0 - 0.5 * lasts), rtol=1e-12)
+    # Friction has lost what the slip took, mu N over the way.
+    assert_allclose(run["friction_loss"][-1], MU * mass * G * expected, rtol=1e-9)
+    assert open_share(run) < 1e-9
+
+
+@LAWS
+def test_what_is_laid_on_a_conveyor_comes_to_its_speed(law: cl.ContactLaw) -> None:
+    mass, speed = 2.0, 0.5
+    belt = cl.Waveform(PPoly(np.array([[[speed]], [[0.0]]]), [0.0, 1.0]))
+    # A belt is a base of constant velocity, or a heavy rotor, whose energy no double resolves.
+    for motion in ({"base": belt}, {"belt_velocity": speed}):
+        block = cl.block(mass, weight=mass * G, height=-sunk(law, mass * G), **motion)
+        run = cl.simulate(block, law, duration=0.5, record_interval=1e-3)
+        time, reached = run["time"].values, speed / (MU * G)
+        assert_allclose(run["slip_velocity"], np.minimum(MU * G * time - speed, 0.0), atol=1e-9)
+        assert reached < time[run["contact_mode"].values == 2][0] < reached + 1e-3
+        assert_allclose(run["friction_loss"][-1], 0.5 * mass * speed**2, rtol=1e-9)
+        if "base" in motion:
+            assert abs(run["energy_residual"]).max() < 1e-9 * mass * speed**2
+
+
+def step_of(sawtooth: cl.Sawtooth, friction: float) -> float:
+    """Way in a period of a body that sticks in the slow flank and slides in the fast one, by hand.
+
+    From the corner on it slows down by mu N / m, whatever the base does, until the base is as fast again;
+    then it is drawn along until it has the velocity of the slow flank.
+    """
+    period, corner = 1.0 / sawtooth.frequency, sawtooth.corner / sawtooth.frequency
+    slow = sawtooth.stroke / (sawtooth.rise * period)
+    fast = sawtooth.stroke / ((1.0 - sawtooth.rise) * period)
+    bends = (slow + fast) / corner
+    # Both from the start of the first corner; the second one ends where the slow flank begins.
+    again = (1.0 - sawtooth.rise) * period + corner
+    # slow - a t = slow - bends (again - t) in the second corner.
+    meets = bends * again / (bends + friction)
+    # It takes as long to regain its velocity as to lose it.
+    return slow * period - friction * meets**2
+
+
+@LAWS
+def test_a_sawtooth_carries_a_block_by_its_slow_flank(law: cl.ContactLaw) -> None:
+    mass, weight = 0.1, 0.5
+    sawtooth = cl.Sawtooth("1 um", "1 kHz", rise=0.8, corner=0.02)
+    expected = step_of(sawtooth, MU * weight / mass)
+    block = cl.block(mass, weight=weight, height=-sunk(law, weight), velocity=1.25e-3, base=sawtooth)
+    run = cl.simulate(block, law, duration=5e-3, record_interval=1e-5)
+    assert_allclose(np.diff(run["point_body"].values[::100]), expected, rtol=1e-8)
+    assert open_share(run) < 1e-9
+    slider = cl.slider(mass, weight=weight, tip=sawtooth, velocity=1.25e-3, penetration=sunk(law, weight))
+    run = cl.simulate(slider, law, duration=5e-3, record_interval=1e-5)
+    # Its radius of 1 m is round by x^2 / 2 m.
+    assert_allclose(np.diff(run["rotor_angle"].values[::100]), expected, rtol=1e-6)
+    assert open_share(run) < 1e-6
+
+
+def test_the_steady_speed_of_an_inertia_drive_is_its_step_over_the_period() -> None:
+    sawtooth = cl.Sawtooth("1 um", "1 kHz", rise=0.8, corner=0.02)
+    state = cl.steady(cl.slider(0.1, weight=0.5, tip=sawtooth), RIGID)
+    assert_allclose(state.velocity.value, 1e3 * step_of(sawtooth, 1.0), rtol=1e-6)
+
+
+E_BALL, FREQUENCY = 0.8, 50.0
+OMEGA, PERIOD = 2.0 * pi * FREQUENCY, 1.0 / FREQUENCY
+LEAST = pi * (1.0 - E_BALL) / (1.0 + E_BALL)
+"""A w^2 / g from which a ball can meet the table once a period: v = g T / 2 = w A sin (1 + e) / (1 - e)."""
+
+BOUNCES = cl.Newton(friction_coefficient=0.2, restitution=E_BALL)
+
+
+def bouncing(acceleration: float, **others: Any) -> tuple[cl.Motor, float]:
+    """Return a ball that meets a table of an acceleration over g once a period, and when."""
+    amplitude = acceleration * G / OMEGA**2
+    meets, speed = -asin(LEAST / acceleration) / OMEGA, 0.5 * G * PERIOD
+    # At t = 0 the table is highest and at rest.
+    height = amplitude * cos(OMEGA * meets) - speed * meets - 0.5 * G * meets**2 - amplitude
+    table = cl.Vibration(amplitude, FREQUENCY)
+    return cl.ball(0.01, height=height, speed=-speed - G * meets, table=table, **others), meets
+
+
+def test_a_ball_meets_a_vibrating_table_at_one_phase() -> None:
+    ball, meets = bouncing(0.8)
+    run = cl.simulate(ball, BOUNCES, duration=10.0 * PERIOD, record_interval=1e-3)
+    times = run.contacts["start_time"].values
+    assert_allclose(times, meets + PERIOD * np.arange(1, times.size + 1), atol=1e-12)
+    assert_allclose(run["point_table"], 0.8 * G / OMEGA**2 * np.cos(OMEGA * run["time"]), atol=1e-18)
+    assert open_share(run) < 1e-9
+
+
+def test_its_multipliers_and_period_doubling_are_those_of_the_exact_map() -> None:
+    # Without Holmes' assumption of high bounces: the determinant is e^2, the trace as below, and -1 a
+    # multiplier where the table's acceleration at the impact is -2 g (1 + e^2) / (1 + e)^2.
+    e = E_BALL
+    ball, meets = bouncing(0.8, damping=0.1)
+    state = cl.orbit(ball, BOUNCES)
+    at_impact = -0.8 * G * cos(OMEGA * meets)
+    trace = 1.0 + e**2 + (1.0 + e) ** 2 * at_impact / G
+    assert_allclose(state.multipliers[:2], np.roots([1.0, -trace, e**2]), rtol=1e-6)
+    doubles = hypot(LEAST, 2.0 * (1.0 + e**2) / (1.0 + e) ** 2) * G / OMEGA**2
+    branch = cl.branch(ball, "plant.table.amplitude", 0.95 * doubles, 1.05 * doubles, law=BOUNCES)
+    (event,) = branch.details.events
+    assert event.mark.name == "PERIOD_DOUBLING"
+    assert_allclose(event.value, doubles, rtol=1e-6)
+
+
+def test_a_table_that_lifts_what_lies_on_it_loses_it_at_g() -> None:
+    """A body leaves where the table is slowed by more than g: A w^2 cos(w t) = g."""
+    amplitude = 1.5 * G / OMEGA**2
+    table = cl.Vibration(amplitude, FREQUENCY, phase=-0.5 * pi)
+    run = cl.simulate(cl.ball(0.1, table=table), RIGID, duration=0.4 * PERIOD, record_interval=1e-5)
+    # With -pi/2 it is A sin(w t), which begins at its fastest: gap and its rate are those over the table.
+    leaves = asin(1.0 / 1.5) / OMEGA
+    assert_allclose(run.contacts["start_time"][0] + run.contacts["duration"][0], leaves, rtol=1e-12)
+    assert run["gap"][-1] > 0.0
+    flown = 0.4 * PERIOD - leaves
+    height = amplitude * (1.0 / 1.5 - np.sin(0.8 * pi)) + amplitude * OMEGA * cos(asin(1.0 / 1.5)) * flown
+    assert_allclose(run["gap"][-1], height - 0.5 * G * flown**2, rtol=1e-9)
+
+
+def test_springs_and_dashpots_to_the_ground_feel_the_motion_of_the_base() -> None:
+    """A block that slides freely is left behind by its base, and is moved by nothing else."""
+    free = cl.Composed(cl.Linear(STIFFNESS), cl.Undamped(), cl.Coulomb(0.0))
+    base = cl.Vibration(1e-3, 7.0, phase=0.3)
+    block = cl.block(2.0, weight=1.0, height=-1e-8, stiffness=800.0, damping=3.0, way=1e-3, base=base)
+    run = cl.simulate(block, free, duration=0.3, record_interval=1e-3)
+    decay, time = 3.0 / 4.0, run["time"].values
+    omega = sqrt(400.0 - decay**2)
+    expected = 1e-3 * np.exp(-decay * time) * (np.cos(omega * time) + decay / omega * np.sin(omega * time))
+    place = 1e-3 * cos(0.3)
+    assert_allclose(run["point_body"] - place, expected, atol=1e-15)
+
+
+def test_a_sawtooth_has_the_stroke_but_for_its_corners() -> None:
+    sawtooth = cl.Sawtooth(2e-6, 100.0, rise=0.7, corner=0.05)
+    wave = sawtooth.drive().waveform
+    values = wave.voltage(np.linspace(0.0, 0.01, 200_001))[0]
+    assert_allclose(np.ptp(values), 2e-6 * (1.0 - 0.05), rtol=1e-6)
+    assert_allclose(values.mean(), 0.0, atol=1e-11)
+    assert_allclose(wave.voltage(0.0, 1), 2e-6 * 100.0 / 0.7)
+
+
+def test_a_waveform_goes_on_as_it_ends() -> None:
+    time = np.linspace(1.0, 2.0, 11)
+    wave = cl.Waveform.sampled(time, 0.1 * (time - 1.0)[None] ** 2, degree=3)
+    block = cl.block(1.0, weight=1.0, base=wave)
+    run = cl.simulate(block, RIGID, duration=3.0, record_interval=0.5)
+    assert_allclose(run["point_base"], [0.0, 0.0, 0.0, 0.025, 0.1, 0.2, 0.3], atol=1e-12)
+    assert_allclose(run["point_body"], run["point_base"], atol=1e-12)
+
+
+def test_two_motions_shake_one_block() -> None:
+    """Along and across at once: friction follows the normal force m (g + zdd)."""
+    mass, along, across = 1.0, cl.Vibration(2e-3, 40.0), cl.Vibration(5e-5, 40.0, phase=1.0)
+    block = cl.block(mass, weight=mass * G, base=along, table=across)
+    run = cl.simulate(block, RIGID, duration=0.01, record_interval=1e-5)
+    omega = 2.0 * pi * 40.0
+
+    def normal(t: float) -> float:
+        return mass * (G - 5e-5 * omega**2 * cos(omega * t + 1.0))
+
+    middles = run["time"].values[1:] - 0.5e-5
+    slides = (run["contact_mode"].values == 1)[1:]
+    assert_allclose(run["normal_force"][1:], [normal(t) for t in middles], rtol=1e-5)
+    assert slides.sum() > 500
+    inside = slides & np.roll(slides, 1) & np.roll(slides, -1)
+    ratio = abs(run["friction_force"].values[1:] / run["normal_force"].values[1:])[inside]
+    assert_allclose(ratio, MU, rtol=1e-6)
+    # It slips first where the inertia of the base exceeds friction.
+    starts = brentq(lambda t: 2e-3 * omega**2 * cos(omega * t) - MU * normal(t) / mass, 0.0, 0.00625)
+    assert starts > 0.0
+    assert open_share(run) < 1e-9
+
+
+def pieces(*rows: list[float], periodic: bool = False) -> cl.Waveform:
+    """A waveform of two pieces of a second each."""
+    return cl.Waveform(PPoly(np.array(rows)[:, :, None], [0.0, 1.0, 2.0]), periodic)
+
+
+@pytest.mark.parametrize(
+    ("make", "key"),
+    [
+        (lambda: cl.block(base=pieces([0.0, 1.0])), "base"),
+        (lambda: cl.block(table=pieces([1.0, 0.0], [0.0, 1.0])), "table"),
+        (lambda: cl.slider(tip=pieces([1.0, 1.0], [0.0, 1.0], periodic=True)), "tip"),
+        (lambda: cl.ball(table=cl.Waveform(PPoly(np.zeros((1, 1, 2)), [0.0, 1.0]))), "table"),
+        (lambda: cl.block(base=cl.Sawtooth(), table=pieces([0.0, 0.0])), "times"),
+        (lambda: cl.Sawtooth(rise=0.99, corner=0.02), "corner"),
+        (lambda: cl.Vibration(amplitude=-1.0), "amplitude"),
+        (lambda: pieces([1.0, 1.0], periodic=True).integral(), "mean"),
+    ],
+)
+def test_a_motion_that_jumps_or_does_not_fit_is_refused(make: Any, key: str) -> None:
+    with pytest.raises(ValueError, match=key):
+        make()
+
+
+def test_the_numbers_of_a_plant_are_keys_until_something_is_replaced() -> None:
+    setup = cl.Setup.of(bouncing(0.8)[0], BOUNCES, "1 ms")
+    numbers = setup.numbers()
+    assert numbers["plant.table.frequency"].value == FREQUENCY
+    assert "drive.frequency" not in numbers
+    heavier = setup.with_("plant.mass=20 g", "plant.table.phase=0.5")
+    assert heavier.motor == cl.ball(
+        **{
+            **setup.motor.plant.arguments,
+            "mass": 0.02,
+            "table": cl.Vibration(numbers["plant.table.amplitude"].value, FREQUENCY, 0.5),
+        }
+    )
+    assert heavier.configuration["plant"]["table"]["phase"] == 0.5
+    with pytest.raises(cl.ConfigurationError, match=r"plant\.mass"):
+        setup.with_("plant.mass=-1 g")
+    braked = setup.with_("rotor.damping=1")
+    assert braked.motor.plant is None
+    assert "plant" not in braked.configuration
