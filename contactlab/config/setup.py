@@ -391,7 +391,10 @@ def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> 
     Path and digest of a file are completed in the section.
     """
     name = values["name"]
-    sections = {"law": values, **{f"law.{key}": x for key, x in values.items() if isinstance(x, dict)}}
+    sections: dict[str, Any] = {
+        "law": values,
+        **{f"law.{key}": x for key, x in values.items() if isinstance(x, dict)},
+    }
     for key, section in sections.items():
         if section.get("file") is not None:
             named_file(key, section)
