@@ -19,6 +19,7 @@ from contactlab.laws import (
     Dmt as Dmt,
     ElastoPlastic as ElastoPlastic,
     Flores as Flores,
+    ForceTable as ForceTable,
     Friction as Friction,
     HertzElliptic as HertzElliptic,
     HertzPenalty as HertzPenalty,

@@ -264,6 +264,11 @@ def _prescribed(law: ContactLaw, time: Array, gap: Path | None, normal: Path | N
                 f"The normal force of {law.name} does not follow from its gap alone; give it a path of gap"
                 f"{'' if law.normal.internal_variables else ', or a constant normal force'}."
             )
+        if not law.normal.rises:
+            raise ValueError(
+                f"The normal force of {law.name} falls along a part of its depth, so that several depths may "
+                "have one normal force; give it a path of gap."
+            )
     return first
 
 

@@ -17,20 +17,12 @@ _PACKAGE: Final = __name__.partition(".")[0]
 _LIBRARIES: Final = {
     _PACKAGE,
     *sys.stdlib_module_names,
-    *(
-        "hydra",
-        "llvmlite",
-        "matplotlib",
-        "numba",
-        "numpy",
-        "omegaconf",
-        "pandas",
-        "scipy",
-        "sklearn",
-        "xarray",
-    ),
+    *("hydra", "llvmlite", "matplotlib", "numba", "numpy", "omegaconf", "pandas", "scipy", "xarray"),
 }
 """Top-level names of modules whose version is recorded elsewhere, or that make no law's numbers."""
+
+_SITES: Final = {"site-packages", "dist-packages"}
+"""Names of the folders in which distributions are installed; an editable one stays where it is."""
 
 
 def is_own(owner: Any) -> bool:
@@ -46,13 +38,15 @@ def is_library(module: str) -> bool:
 def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
     """Return a digest of the sources that define classes and functions of other packages, empty without any.
 
-    It covers all files of a class's package, and of the modules that these import, to the end, libraries
-    left out. An import in a function counts once its module is loaded. A module that was edited after it was
-    loaded has another digest than either text.
+    It covers all files of a class's package, and of the modules that these import, to the end. What they
+    import from another installed distribution counts by the digests in the record of its installation, and
+    none of its sources is read. An import in a function counts once its module is loaded. A module that was
+    edited after it was loaded has another digest than either text.
     """
     contents: dict[Path, bytes] = {}
     met: set[Path] = set()
     waiting = [sys.modules.get(owner.__module__) for owner in owners if not is_own(owner)]
+    whole = {_top(module) for module in waiting if module}
     while waiting:
         module = waiting.pop()
         # A module may be typed in, without a file.
@@ -60,6 +54,9 @@ def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
         if module is None or file in met or file.suffix != ".py" or _top(module) in _LIBRARIES:
             continue
         met.add(file)
+        if _top(module) not in whole and (site := _site_of(file)):
+            contents[site / _top(module)] = _record_of(site, _top(module))
+            continue
         source = file.read_bytes()
         contents[file] = _as_loaded(module, source)
         _sources[module.__name__] = sha256(contents[file]).hexdigest()
@@ -69,6 +66,22 @@ def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
             contents |= {path: path.read_bytes() for path in every if path not in contents}
     digests = sorted(sha256(content).hexdigest() for content in contents.values())
     return sha256("".join(digests).encode()).hexdigest() if digests else ""
+
+
+def _site_of(file: Path) -> Path | None:
+    """Return the folder of installed distributions that a file is in."""
+    return next((folder for folder in file.parents if folder.name in _SITES), None)
+
+
+@cache
+def _record_of(site: Path, top: str) -> bytes:
+    """Return what the records of installed distributions have of a top-level module: its files' digests.
+
+    Empty where the system's packages have no records.
+    """
+    records = (path.read_text("utf-8") for path in site.glob("*.dist-info/RECORD"))
+    lines = (line for record in records for line in record.splitlines() if not line.endswith(",,"))
+    return "\n".join(sorted(line for line in lines if line.startswith((f"{top}/", f"{top}.")))).encode()
 
 
 _sources: Final[dict[str, str]] = {}

@@ -59,11 +59,12 @@ def law_groups() -> list[dict[str, str]]:
     """The choices that make every law, and every normal force with every friction in a composed one.
 
     Dampings take turns, among those that are defined for the normal force. maugis takes turns with jkr, in
-    `random_configuration`, so that all other numbers are the motors that they were without it.
+    `random_configuration`, so that all other numbers are the motors that they were without it; table, which
+    without a file is a sphere, is left out for the same reason.
     """
     whole = [{"law": name} for name in LAWS if name != COMPOSED]
     normals, dampings, frictions = (dict(PARTS[family]) for family in ("normal", "damping", "friction"))
-    del normals["maugis"]
+    del normals["maugis"], normals["table"]
     parts = []
     for i, (name, normal) in enumerate(normals.items()):
         elastic = not (normal.elastic is None or normal.allows_tension)

@@ -28,10 +28,9 @@ from contactlab.motor import (
     on_bearing,
 )
 from contactlab.motor.modal import modes_of
-from contactlab.motor.table import MeasurementError, Table, read_table
+from contactlab.motor.table import MeasurementError, Table, keep, read_table, recorded_content
 from contactlab.parameter import DeclaredField
 from contactlab.results.files import check_file
-from contactlab.results.netcdf import keep, recorded_content
 
 RESONANCE: Final = 1e-9
 """Relative distance at which an undamped tone counts as at a natural frequency."""
@@ -105,7 +104,7 @@ def _modes(values: Mapping[str, Any]) -> NormalModes:
         if isinstance(field, DeclaredField) and values[group].get(key) != field.default
     )
     if basis == MODAL:
-        path, content = _named_file("resonator", values["resonator"])
+        path, content = named_file("resonator", values["resonator"])
         with as_fault(f"resonator.file is '{path}': ", OSError):
             return _modes_of_file(content, values["contact"]["tip_length"], section["modes"])
     try:
@@ -151,7 +150,7 @@ def _drive(values: dict[str, Any], modes: NormalModes) -> Drive:
     numbers = {key: value for key, value in values.items() if key != "signal"}
     signal, electrodes = values["signal"], modes.coupling.shape[1]
     if "file" in numbers:
-        path, content = _named_file("drive", values)
+        path, content = named_file("drive", values)
         numbers = {**numbers, "digest": values["digest"]}
         del numbers["file"]
         with as_fault(f"drive.file is '{path}': ", OSError):
@@ -208,7 +207,7 @@ def _columns(table: Table, names: list[str]) -> Iterator[Array]:
         yield table.numbers(name, _UNITS[name.partition("_")[0]])
 
 
-def _named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
+def named_file(group: str, section: dict[str, Any]) -> tuple[Path, bytes]:
     """Return path and content of the file of a section, and write whole path and digest into the section.
 
     The content of a dataset stands for that of a file that is gone or has changed since.

@@ -16,7 +16,7 @@ from contactlab.config.changes import changed
 from contactlab.config.composition import completed, compose, differences, overridden, parsed
 from contactlab.config.faults import ConfigurationError, as_fault, faults_added, one_line
 from contactlab.config.made_in_python import PLACES, with_number
-from contactlab.config.motors import motor_of, plant_of
+from contactlab.config.motors import motor_of, named_file, plant_of
 from contactlab.config.nesting import flat
 from contactlab.config.numbers import Number, numbers_of
 from contactlab.config.options import groups
@@ -32,7 +32,8 @@ from contactlab.laws import ContactLaw, LawError
 from contactlab.laws.declaration import SHARED
 from contactlab.laws.registry import build_law, classes_of, law_class
 from contactlab.motor import Motor, NormalModes
-from contactlab.results.netcdf import contents_of, keep, motor_settings, settings_of
+from contactlab.motor.table import keep
+from contactlab.results.netcdf import contents_of, motor_settings, settings_of
 from contactlab.results.yaml_text import write_yaml
 from contactlab.settling.criterion import PRECISION, STEADY, Until, check_until_steady
 from contactlab.settling.until import simulate_until_steady
@@ -401,8 +402,18 @@ _take_in_once = lru_cache(maxsize=4096)(take_in)
 
 
 def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> ContactLaw:
-    """Return the law of a section, on a rotor of a radius [m]; a ConfigurationError if it cannot be made."""
+    """Return the law of a section, on a rotor of a radius [m]; a ConfigurationError if it cannot be made.
+
+    Path and digest of a file are completed in the section.
+    """
     name = values["name"]
+    sections: dict[str, Any] = {
+        "law": values,
+        **{f"law.{key}": x for key, x in values.items() if isinstance(x, dict)},
+    }
+    for key, section in sections.items():
+        if section.get("file") is not None:
+            named_file(key, section)
     try:
         law: ContactLaw = build_law(law_class(name), values, friction_coefficient)
         # Those of this package are sound, and their kernels are not needed yet.
@@ -414,6 +425,7 @@ def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> 
         # What the law itself raised is in the sentence already.
         reason = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
         sentence = f"law={name} cannot be made from its parameters: {reason}"
-        if reason.startswith(f"{name}: "):
-            sentence = f"law.{reason.removeprefix(f'{name}: ')}"
+        for key, section in sections.items():
+            if reason.startswith(said := f"{section['name']}: "):
+                sentence = f"{key}.{reason.removeprefix(said)}"
         raise ConfigurationError(sentence) from error

@@ -39,6 +39,7 @@ from contactlab.laws.lagrange_ageing import LagrangeAgeing
 from contactlab.laws.memory import InternalVariable
 from contactlab.laws.normal import (
     Dmt,
+    ForceTable,
     HertzElliptic,
     HertzPoint,
     Jkr,

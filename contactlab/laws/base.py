@@ -260,6 +260,8 @@ class NormalForce(Declared, Remembering):
     """As of a law: less where the force jumps, which coarse tolerances do not see."""
     smooth_stiffness: ClassVar[bool] = True
     """Whether dN/dd has no kink, nor rises as fast as behind one."""
+    rises: ClassVar[bool] = True
+    """Whether a force that presses has one depth alone."""
     violations: ClassVar[Mapping[str, str]] = MappingProxyType({})
     """As of a law."""
 

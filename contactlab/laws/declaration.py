@@ -61,13 +61,13 @@ class Declared(ABC):
         check_fields(self, self.name)
 
     def effective(self) -> Iterator[tuple[str, float, Parameter | None]]:
-        """Yield name ("part.name" for one of a part), value [SI] and declaration of what is not left open."""
+        """Yield name ("part.name" for one of a part), value [SI] and declaration of numbers not left open."""
         kind: Any = type(self)
         for name, member in declared_fields(kind).items():
             value = getattr(self, name)
             if isinstance(value, Declared):
                 yield from ((f"{name}.{below}", x, text) for below, x, text in value.effective())
-            elif value is not None:
+            elif value is not None and not isinstance(value, str):
                 yield name, value, member.parameter
 
     def coefficients(self) -> Mapping[str, Coefficient]:

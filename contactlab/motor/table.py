@@ -9,6 +9,7 @@ import csv
 import re
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import takewhile
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, final
@@ -39,6 +40,33 @@ _COMMENT: Final = re.compile(r"(?P<name>[^\W\d]\w*)\s*(\[(?P<unit>[^]]*)\])?\s*:
 _HEAD: Final = re.compile(r"(?P<name>[^[\]()]+?)\s*(\[(?P<unit>[^]]*)\])?")
 _QUANTITY: Final = re.compile(r"(?P<number>[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?)\s*(?P<unit>\D.*|)")
 _DECIMAL_COMMA: Final = re.compile(r"[+-]?\d*,\d+([eE][+-]?\d+)?")
+
+
+_contents: dict[str, bytes] = {}
+_of_datasets: set[str] = set()
+
+
+def keep(content: bytes, *, recorded: bool = False) -> str:
+    """Keep the content of a file that a configuration names, and return its digest, 16 hexadecimal digits.
+
+    A dataset can be written with it. One that is recorded, from a dataset, stands for its file where that is
+    gone or changed.
+    """
+    digest = sha256(content).hexdigest()[:16]
+    _contents[digest] = content
+    if recorded:
+        _of_datasets.add(digest)
+    return digest
+
+
+def kept(digest: str | None) -> bytes | None:
+    """Return the content of a digest; None where none is kept."""
+    return None if digest is None else _contents.get(digest)
+
+
+def recorded_content(digest: str | None) -> bytes | None:
+    """Return the content of a digest from a dataset, or from a setup of another process; None without one."""
+    return kept(digest) if digest in _of_datasets else None
 
 
 @final

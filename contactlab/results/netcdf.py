@@ -13,7 +13,6 @@ import json
 from ast import literal_eval
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict
-from hashlib import sha256
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, NamedTuple, Protocol, final
 
@@ -27,6 +26,7 @@ from contactlab.laws.registry import classes_of, provenance
 from contactlab.motor import Motor
 from contactlab.motor.motor import free_reach
 from contactlab.motor.outputs import output_variables
+from contactlab.motor.table import keep, kept
 from contactlab.results.files import digest_of_file, whole_netcdf
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import read_yaml, write_yaml
@@ -100,33 +100,18 @@ PART: Final = "/first_contact"
 EMPTY: Final = Group({}, {})
 
 GROUP: Final = "files"
-"""Group of the contents of the files that a configuration names, in a section with a `digest`.
-
-A content is kept when its file is read, so that a dataset can be written with it; one from a dataset stands
-for its file where that is gone or changed."""
-
-_contents: dict[str, bytes] = {}
-_of_datasets: set[str] = set()
-
-
-def keep(content: bytes, *, recorded: bool = False) -> str:
-    """Keep a content, which may be that of a dataset, and return its digest, 16 hexadecimal digits."""
-    digest = sha256(content).hexdigest()[:16]
-    _contents[digest] = content
-    if recorded:
-        _of_datasets.add(digest)
-    return digest
-
-
-def recorded_content(digest: str | None) -> bytes | None:
-    """Return the content of a digest from a dataset, or from a setup of another process; None without one."""
-    return _contents[digest] if digest in _of_datasets else None
+"""Group of the contents of the files that a configuration names, in a section with a `digest`."""
 
 
 def contents_of(configuration: Mapping[str, Any]) -> dict[str, bytes]:
     """Return the contents of the files that a configuration names, by section."""
-    digests = {name: keys.get("digest") for name, keys in configuration.items() if isinstance(keys, Mapping)}
-    return {name: _contents[digest] for name, digest in digests.items() if digest in _contents}
+    contents: dict[str, bytes] = {}
+    for name, keys in configuration.items():
+        if isinstance(keys, Mapping):
+            if (content := kept(keys.get("digest"))) is not None:
+                contents[name] = content
+            contents |= {f"{name}.{below}": content for below, content in contents_of(keys).items()}
+    return contents
 
 
 def keep_contents(tree: "xarray.DataTree") -> None:

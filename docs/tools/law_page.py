@@ -192,8 +192,11 @@ def stick(law: Any) -> str:
 
 
 def needs(owner: type[Declared]) -> str:
-    """Return the meanings of the numbers that are a law's own; how finely it is resolved is none of them."""
-    numbers = [each for name, each in members_of(owner).items() if name != SHARED and int not in each.kinds]
+    """Return the meanings of what is a law's own; how finely it is resolved is none of them."""
+    own = {name: each for name, each in members_of(owner).items() if name != SHARED}
+    numbers = [
+        each for name, each in own.items() if int not in each.kinds and (each.is_number or name == "file")
+    ]
     return ", ".join(dict.fromkeys(each.parameter.meaning for each in numbers if each.parameter))
 
 
@@ -252,6 +255,8 @@ def parameter_row(name: str, member: DeclaredField) -> list[str]:
         if default is None
         else "must be given"
         if default is MISSING
+        else f"`{default}`"
+        if isinstance(default, str)
         else powers_of_ten(f"{default:g}")
     )
     shown = "that of the contact" if name == SHARED else shown

@@ -1,5 +1,6 @@
 """The digest of another package's sources changes with all that may define a class, and with nothing else."""
 
+import site
 import sys
 from importlib import import_module
 from pathlib import Path
@@ -65,6 +66,57 @@ def test_a_module_that_a_library_would_load_by_need_is_not_loaded(folder: Path) 
     late = "class Late(ModuleType):\n    def __getattr__(self, name):\n        raise ImportError(name)\n"
     (folder / "beside.py").write_text(f"from types import ModuleType\n{late}absent = Late('absent')\n")
     assert digest()
+
+
+def install(folder: Path, version: str, source: str) -> Path:
+    """Put a distribution `beside` into a new folder of installed ones, with its record."""
+    target = folder / version / "site-packages"
+    (target / f"beside-{version}.dist-info").mkdir(parents=True)
+    (target / "beside.py").write_text(source)
+    digests = f"beside.py,sha256={version},9\n__pycache__/beside.pyc,,\nbesides.py,sha256={version},9\n"
+    (target / f"beside-{version}.dist-info" / "RECORD").write_text(digests)
+    return target
+
+
+def test_what_is_installed_counts_by_its_record_and_is_not_read(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (folder / "beside.py").unlink()
+    digests = []
+    for version in ("1.0", "2.0"):
+        target = install(folder, version, "import unrelated\n")
+        monkeypatch.syspath_prepend(str(target))
+        digests.append(digest())
+        (target / "beside.py").write_text("import unrelated\nMORE = 1.0\n")
+        assert digest() == digests[-1]
+    assert digests[0] != digests[1]
+    # Nor are the sources that it imports.
+    (folder / "unrelated.py").write_text("UNUSED = 2.0\n")
+    assert digest() == digests[1]
+
+
+def test_what_is_installed_for_editing_counts_by_its_sources(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "path", [each for each in sys.path if each != str(folder)])
+    target = install(folder, "1.0", "")
+    (target / "beside.py").unlink()
+    (target / "editable.pth").write_text(f"{folder}\n")
+    site.addsitedir(str(target))
+    before = digest()
+    (folder / "beside.py").write_text("LENGTH = 2.0\n")
+    assert digest() != before
+
+
+def test_a_class_of_an_installed_package_counts_by_its_sources(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    target = install(folder, "1.0", FILES["beside.py"])
+    (folder / "law.py").rename(target / "law.py")
+    monkeypatch.syspath_prepend(str(target))
+    before = digest()
+    (target / "law.py").write_text(f"{FILES['law.py']}MORE = 1.0\n")
+    assert digest() != before
 
 
 def test_a_process_with_other_sources_names_their_modules(folder: Path) -> None:

@@ -125,8 +125,10 @@ def described_parameter(name: str, member: DeclaredField) -> str:
         return f"a part, law/{family}={', '.join(options)}{shown}"
     unit = "" if declared.units == "1" else f" [{declared.unit}]"
     shown = "must be given" if default is MISSING else "default none" if default is None else ""
-    shown = "contact.friction_coefficient" if name == SHARED else shown or f"default {default:g}"
-    return f"{declared.symbol}{unit}, {declared.meaning}, {shown}, {declared.range or 'finite'}"
+    shown = shown or f"default {default if isinstance(default, str) else f'{default:g}'}"
+    shown = "contact.friction_coefficient" if name == SHARED else shown
+    named = ", ".join(filter(None, (declared.symbol + unit, declared.meaning, shown)))
+    return f"{named}, {declared.range or 'finite'}" if member.is_number else named
 
 
 def declared_rows(owner: type[Declared]) -> dict[str, str]:

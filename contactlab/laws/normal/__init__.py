@@ -11,6 +11,7 @@ from contactlab.laws.normal.elastic import (
     approach_factor,
     hertz_elastic,
 )
+from contactlab.laws.normal.force_table import ForceTable
 from contactlab.laws.normal.jkr import Jkr, tabor_number
 from contactlab.laws.normal.maugis import Maugis
 from contactlab.laws.normal.prony import Prony
@@ -21,6 +22,6 @@ NORMAL_FORCES: dict[str, type[NormalForce]] = {
     part.name: part
     for part in (
         *(HertzPoint, HertzElliptic, Line, Linear, Lining),
-        *(Thornton, WaltonBraun, Jkr, Dmt, Maugis, Prony),
+        *(Thornton, WaltonBraun, Jkr, Dmt, Maugis, Prony, ForceTable),
     )
 }
