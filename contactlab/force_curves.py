@@ -29,6 +29,7 @@ from math import sqrt
 from typing import Annotated, Any, Final, Self, final
 
 import numpy as np
+from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 from scipy.optimize import brentq
 
@@ -50,8 +51,12 @@ CURVE: Final = {
 }
 """Numbers of a force curve beside those of the law, by their names as arguments and options."""
 
+BY_LAW, FREE, TOUCHING = -1, 0, 1
+"""States of the tip in a row: the first is that of the law at this place of the curve."""
+
 NODES: Final = 257
-"""Gaps at which the law is evaluated; forces of the spline through them err by 1e-7 of the largest."""
+"""Gaps at which the law is evaluated; forces of the spline through them err by 1e-9 of the largest,
+beside a kink of the law, as where the middles meet under `maugis`, by 1e-3 of the pull-off force."""
 
 DEEPEST: Final = 1e-3
 """Largest penetration that is looked for [m]."""
@@ -122,8 +127,17 @@ class LawOnCantilever:
         self._parameters, self._row, bound, self._errors = take_in(law.on_rotor(FLAT))
         self._kernels = bound.kernels
 
-    def forces(self, law: ContactLaw, position: Array, recording: Recording) -> Array:
+    def forces(
+        self, law: ContactLaw, position: Array, recording: Recording, state: NDArray[np.int8] | None = None
+    ) -> Array:
         """Return the law's force at each position of the base [N], in the order of the rows.
+
+        Args:
+            law: with any numbers.
+            position: of the base [m], shape (row,).
+            recording: of the curve.
+            state: of the tip in each row, where it is known: `FREE`, `TOUCHING`, or `BY_LAW`. A tip that
+                touches beyond y_off is at y_off.
 
         Raises:
             LawError: the law's own code raised an exception.
@@ -139,18 +153,22 @@ class LawOnCantilever:
         with self._errors():
             limits = self._kernels[LIMITS]
             begins, ends = limits(0.0, self._parameters) if limits else (0.0, 0.0)
-            if y.min() > begins:
+            known = np.full(y.size, BY_LAW) if state is None else state
+            least = min(float(y.min()), begins)
+            if least == begins and not (known == TOUCHING).any():
                 return result
-            root, base, force = self._in_contact(law, ends, 0.0 if k is None else 1.0 / k, float(y.min()))
+            root, base, force = self._in_contact(law, ends, 0.0 if k is None else 1.0 / k, least)
         fold = _fold(root, base)
         off = float(base(fold))
-        touching = _touching(y, min(begins, off), off)
+        touching = _touching(y, min(begins, off), off, known)
         nodes = np.append(fold, root[root > fold])
         bases = base(nodes)
         if not (np.diff(bases) < 0.0).all():
-            raise ValueError(f"{law.name} has several equilibria in contact at one position; it must have one.")
+            raise ValueError(
+                f"{law.name} has several equilibria in contact at one position; it must have one."
+            )
         # Between two nodes from the deeper one: next to the fold Newton's method comes from that side alone.
-        wanted = y[touching]
+        wanted = np.minimum(y[touching], off)
         cell = np.clip(np.searchsorted(-bases, -wanted), 1, nodes.size - 1)
         least, most, slope = nodes[cell - 1], nodes[cell], base.derivative()
         at = most.copy()
@@ -193,12 +211,12 @@ def _fold(root: Array, base: CubicSpline) -> float:
     return float(places[np.argmax(base(places))])
 
 
-def _touching(y: Array, on: float, off: float) -> Any:
+def _touching(y: Array, on: float, off: float, known: NDArray[np.int8]) -> NDArray[np.bool_]:
     """Return in which rows the tip is in contact: as one row before between y_on and y_off, first free."""
-    state = np.where(y <= on, 1, np.where(y > off, 0, -1))
-    state[0] = max(state[0], 0)
-    last = np.maximum.accumulate(np.where(state >= 0, np.arange(y.size), 0))
-    return state[last] == 1
+    state = np.where(known != BY_LAW, known, np.where(y <= on, TOUCHING, np.where(y > off, FREE, BY_LAW)))
+    state[0] = max(state[0], FREE)
+    last = np.maximum.accumulate(np.where(state != BY_LAW, np.arange(y.size), 0))
+    return np.asarray(state[last] == TOUCHING)
 
 
 @checked_arguments(position="m")
@@ -217,7 +235,7 @@ def force_curve(
 
     F(g) is the law's normal force at rest, positive where it pushes the tip away, and the tip jumps into
     contact and off it. Damping and friction have no part, and the surface does not pull before the gap at
-    which the law begins a contact. The errors of the spline are 1e-7 of the largest force.
+    which the law begins a contact. Errors of the spline: see `contactlab.force_curves.NODES`.
 
         >>> import contactlab as cl
         >>> import numpy as np

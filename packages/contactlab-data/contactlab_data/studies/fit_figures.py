@@ -147,6 +147,9 @@ def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
     if "time" in data.dims:
         unit, scale = handy_unit([data["time"].values], "s")
         return _over(data, predictive, data["time"].values / scale, f"time ({unit})", title)
+    if "row" in data.dims:
+        unit, scale = handy_unit([data["z"].values], "m")
+        return _over(data, predictive, data["z"].values / scale, f"z ({unit})", title)
     if "point" in data.dims:
         key = str(next(iter(data.coords)))
         unit, scale = handy_unit([data[key].values], data[key].attrs["units"])
