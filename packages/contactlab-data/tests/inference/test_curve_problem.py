@@ -9,6 +9,7 @@ from scipy.optimize import curve_fit
 
 import contactlab as cl
 from contactlab.cli.study import as_overrides
+from contactlab.cli.verbs.example import examples
 from contactlab.config import ConfigurationError
 from contactlab.force_curves import BY_LAW, FREE, TOUCHING, Recording
 from contactlab.motor.table import MeasurementError
@@ -283,6 +284,17 @@ def test_seven_rows_are_no_force_curve(tmp_path: Path) -> None:
     path = written(tmp_path / "curve.csv", "z [nm],normal_force [nN]", np.ones((7, 2)))
     with pytest.raises(MeasurementError, match=r"curve\.csv.*\bz\b"):
         read_measurements(path)
+
+
+def test_the_shipped_curve_has_the_numbers_that_made_it() -> None:
+    path = next(each.source for each in examples() if each.name == "force_curve")
+    options = dict.fromkeys(RECORDED, "free") | {"cantilever_stiffness": 0.5}
+    fit = least_squares(setup_of("jkr"), path, free=ADHESIVE, **options)
+    truth = dict(zip(ADHESIVE, (1e9, 0.05), strict=True)) | {"contact_point": 73e-9, "tilt": -0.004}
+    summary = fit["summary"].to_dataset()
+    for key, value in truth.items():
+        row = summary.sel(parameter=key)
+        assert abs(row["best"] - value) < 3.0 * row["deviation"]
 
 
 @pytest.mark.parametrize(
