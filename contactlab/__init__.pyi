@@ -2,6 +2,7 @@ from contactlab.config import ConfigurationError as ConfigurationError, Setup as
 from contactlab.driving import drive as drive
 from contactlab.engine.equilibrium import at_rest as at_rest
 from contactlab.estimate import Estimate as Estimate
+from contactlab.force_curves import force_curve as force_curve
 from contactlab.impacts import impact as impact, normal_impact as normal_impact
 from contactlab.interrupts import StoppedError as StoppedError
 from contactlab.laws import (

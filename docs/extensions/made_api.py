@@ -17,7 +17,7 @@ CHAPTERS: Final = {
     "Runs": ("simulation", "config", "trajectory"),
     "Studies, and many runs": ("studies", "datasheet", "estimate"),
     "Steady states": ("steady_state", "settling"),
-    "Impacts and measurements": ("impacts", "driving", "measured", "inference"),
+    "Impacts and measurements": ("impacts", "driving", "force_curves", "measured", "inference"),
     "Motors": ("motor", "engine.equilibrium"),
     "What laws are made of": ("laws.base", "laws.declaration", "laws.memory", "laws.registry", "parameter"),
     "Laws": ("laws",),

@@ -30,6 +30,7 @@ def test_every_script_of_the_gallery_is_listed_by_its_name_with_its_title(comman
     [
         ("one_contact", {"one_contact.py": f"docs/gallery/{ONE_CONTACT.name}"}),
         ("drops", {"drops.csv": "docs/gallery/drops.csv"}),
+        ("force_curve", {"force_curve.csv": "docs/gallery/force_curve.csv"}),
         ("motor_measurement", {"motor_measurement.csv": "docs/gallery/motor_measurement.csv"}),
         *(
             (
@@ -57,6 +58,12 @@ def test_a_copy_has_the_bytes_of_the_example_and_its_next_step_is_told(
     assert first.startswith(f"{whole} is here: ")
     assert onward.endswith(".")
     assert whole in onward
+
+
+def test_a_loop_of_few_samples_a_corner_is_joined_by_lines() -> None:
+    """A spline of degree 7 through the tribometer's turns swings beyond them."""
+    (onward,) = (each.onward for each in example.examples() if each.name == "tribometer")
+    assert " degree=1 " in onward
 
 
 @pytest.mark.parametrize(("name", "copy"), [("run", "run.py"), ("own_law", "own_law")])

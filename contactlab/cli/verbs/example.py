@@ -32,6 +32,17 @@ PACKAGES: Final = {
 }
 """Packages: folder, group of the entry, what to do. In a wheel the folders lie in `contactlab/examples`."""
 
+ONWARD: Final = {
+    "force_curve": 'contactlab fit {0} law=composed law/normal=jkr law.normal.radius="20 nm" '
+    'cantilever_stiffness="0.5 N/m" contact_point=free baseline=free tilt=free method=least_squares '
+    "fits a law to it.",
+    "loop": "contactlab drive {0} law=composed law/friction=dahl draws a law beside it.",
+    "motor_measurement": "contactlab fit {0} law=newton resonator=finite_element law.restitution=0.1..0.9 "
+    "contact.friction_coefficient=0.1..0.6 fits a law to it.",
+    "tribometer": "contactlab drive {0} law=composed law/friction=dahl degree=1 draws a law beside it.",
+}
+"""What to do with data that are no impacts, by name."""
+
 _ORDER: Final = re.compile(r"^plot_(?:\d+_)?")
 
 
@@ -83,16 +94,9 @@ def examples() -> Iterator[Example]:
         name = _ORDER.sub("", path.stem)
         yield Example(name, title, path, f"{name}.py", f"python {name}.py runs it.")
     for path in sorted((root / GALLERY).glob("*.csv")):
-        text = path.read_text(encoding="utf-8")
-        match = re.search(r"^# title: (.+)$", text, re.MULTILINE)
-        onward = f"contactlab validate {path.name} law=newton,poisson compares laws with it."
-        if re.search(r"^[^#].*\bslip\b", text, re.MULTILINE):
-            onward = f"contactlab drive {path.name} law=composed law/friction=dahl draws a law beside it."
-        elif re.search(r"^[^#].*\brotor_velocity\b", text, re.MULTILINE):
-            free = "law.restitution=0.1..0.9 contact.friction_coefficient=0.1..0.6"
-            onward = (
-                f"contactlab fit {path.name} law=newton resonator=finite_element {free} fits a law to it."
-            )
+        match = re.search(r"^# title: (.+)$", path.read_text(encoding="utf-8"), re.MULTILINE)
+        onward = ONWARD.get(path.stem, "contactlab validate {0} law=newton,poisson compares laws with it.")
+        onward = onward.format(path.name)
         yield Example(path.stem, match[1] if match else "", path, path.name, onward)
     for copy, (folder, group, onward) in PACKAGES.items():
         text = (root / folder / "pyproject.toml").read_text(encoding="utf-8")

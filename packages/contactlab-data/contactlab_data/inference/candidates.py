@@ -11,20 +11,29 @@ from typing import Any, Final, Literal, final
 
 from contactlab.config import ConfigurationError, Setup
 from contactlab.driving import DEGREE, FRAME, Frame
+from contactlab.force_curves import CURVE, Recording
 from contactlab.laws.composed import label_of
 from contactlab.results.yaml_text import write_yaml
 from contactlab.studies.law_study import NO_LAW
+from contactlab_data.inference.curve_problem import curve_problem, jump_notes
 from contactlab_data.inference.free_parameters import FreeParameter
 from contactlab_data.inference.impact_problem import ImpactProblem, LawPredictor
 from contactlab_data.inference.influence import without_influence
 from contactlab_data.inference.joint_problem import JointProblem
-from contactlab_data.inference.law_numbers import Free, corrections_in, frame_in, free_numbers, numbers_of
+from contactlab_data.inference.law_numbers import (
+    Free,
+    corrections_in,
+    frame_in,
+    free_numbers,
+    numbers_of,
+    recording_in,
+)
 from contactlab_data.inference.motor_problem import points_problem, series_problem
 from contactlab_data.inference.path_records import record_problem
 from contactlab_data.inference.problem import Problem
 from contactlab_data.inference.synthetic import truth_in
 from contactlab_data.measured.impacts import MeasuredImpacts
-from contactlab_data.measured.series import FORCES, MeasuredPoints, MeasuredSeries
+from contactlab_data.measured.series import FORCES, POSITION, MeasuredPoints, MeasuredSeries
 
 FEWEST: Final = 3
 """Least number of impacts to which a law is fitted."""
@@ -64,6 +73,7 @@ def candidates_of(
     degrees_of_freedom: float | None = inf,
     degree: int = DEGREE,
     frame: Mapping[str, float | None] = MappingProxyType({}),
+    recording: Mapping[str, float | Literal["free"] | None] = MappingProxyType({}),
     name: str = "",
     digest: str = "",
 ) -> list[Candidate]:
@@ -79,6 +89,8 @@ def candidates_of(
         degrees_of_freedom: of Student-t noise; infinite is the normal distribution, None is free.
         degree: of the spline through the samples of a path.
         frame: values of its numbers, see `contactlab.driving.FRAME`, which ranges may free.
+        recording: values of the numbers of force curves, see `contactlab.force_curves.CURVE`, or "free", with
+            the range of the data; ranges may free them too.
         name: of the data.
         digest: of their file.
 
@@ -95,7 +107,9 @@ def candidates_of(
         raise ConfigurationError("study.own is set and there is one data set; leave it out.")
     every, corrections = free_numbers(setups, free, known), corrections_in(free)
     pulled, of_frame = frame_in(free, frame)
-    every = {label: (*keys, *of_frame) for label, keys in every.items()}
+    curves = [each for each in sets.values() if isinstance(each, MeasuredSeries) and of_curve(each)]
+    recorded, of_curves = recording_in(free, recording, curves)
+    every = {label: (*keys, *of_frame, *of_curves) for label, keys in every.items()}
     if unknown := sorted({*own} - {item.name for keys in every.values() for item in keys}):
         raise ConfigurationError(
             [f"study.own has {key}, which is not free; leave it out." for key in unknown]
@@ -111,7 +125,7 @@ def candidates_of(
         keys = every[place]
         try:
             problem = _problem_of(
-                sets, setup, keys, corrections, own, degrees_of_freedom, degree, pulled, may_err
+                sets, setup, keys, corrections, own, degrees_of_freedom, degree, pulled, recorded, may_err
             )
             problem, idle = _with_influence(problem, keys)
         except ConfigurationError as error:
@@ -123,15 +137,18 @@ def candidates_of(
             "duplicates": [each.copies_warning() for each in of_impacts],
             "tracks": [each.tracks.attrs["findings"] for each in of_impacts if each.tracks is not None],
             "series": [
-                text for each in sets.values() if isinstance(each, MeasuredSeries) for text in each.notes
+                *(text for each in sets.values() if isinstance(each, MeasuredSeries) for text in each.notes),
+                *(text for each in curves for text in jump_notes(each)),
             ],
         }
         origin |= {"frame": json.dumps(pulled.numbers)} if pulled else {}
+        origin |= {"recording": json.dumps(recorded.numbers)} if curves else {}
         origin |= {key: "\n".join(lines) for key, lines in notes.items() if any(lines)}
         label = laws[place] + (" + discrepancy" if may_err and discrepancy == "both" else "")
         numbers = dict(ChainMap(*(truth_in(each, setup.configuration) for each in sets.values())))
         truth = {item.name: numbers[item.name] for item in problem.parameters if item.name in numbers}
-        stated = numbers_of(setup, [item for item in keys if item.name not in idle], [*free, *known], pulled)
+        acting = [item for item in keys if item.name not in idle]
+        stated = numbers_of(setup, acting, [*free, *known], recorded if curves else pulled)
         if idle:
             stated += f" Not free, since they have no influence on these data: {', '.join(idle)}."
         result.append(Candidate(label, problem, truth, origin, stated))
@@ -164,6 +181,16 @@ def on_path(data: Data) -> bool:
     return isinstance(data, MeasuredSeries) and bool(data.path)
 
 
+def of_curve(data: Data) -> bool:
+    """Return whether measurements are a force curve."""
+    return isinstance(data, MeasuredSeries) and POSITION in data.path
+
+
+def of_frame(data: Data) -> bool:
+    """Return whether a frame may pull what was measured, the slip of a path."""
+    return on_path(data) and not of_curve(data)
+
+
 def _problem_of(
     sets: Mapping[str, Data],
     setup: Setup,
@@ -173,6 +200,7 @@ def _problem_of(
     degrees_of_freedom: float | None,
     degree: int,
     frame: Frame | None,
+    recording: Recording,
     discrepancy: bool,
 ) -> Problem:
     """Return the problem of one law."""
@@ -182,15 +210,24 @@ def _problem_of(
     impacts = any(isinstance(data, MeasuredImpacts) for data in sets.values())
     if corrections and not impacts:
         raise ConfigurationError(f"{corrections[0].name} is of measured impacts; the data have none.")
-    if frame and not any(map(on_path, sets.values())):
+    if frame and not any(map(of_frame, sets.values())):
         raise ConfigurationError(f"{', '.join(FRAME)} are of forces on a path; these data have none.")
     parts = {}
     for (label, data), alone in zip(sets.items(), of_laws, strict=True):
-        chosen = [item for item in keys if on_path(data) or item.name not in FRAME]
+        chosen = [item for item in keys if of_curve(data) or item.name not in CURVE]
+        chosen = [item for item in chosen if of_frame(data) or item.name not in FRAME]
         chosen = [item for item in chosen if item.field or not alone]
         of_data = corrections if isinstance(data, MeasuredImpacts) else ()
         parts[label] = _problem(
-            data, setup, chosen, of_data, degrees_of_freedom, degree, frame, discrepancy=discrepancy
+            data,
+            setup,
+            chosen,
+            of_data,
+            degrees_of_freedom,
+            degree,
+            frame,
+            recording,
+            discrepancy=discrepancy,
         )
     problem = parts[""] if [*parts] == [""] else JointProblem(parts, own)
     if not problem.free:
@@ -221,6 +258,7 @@ def _problem(
     degrees_of_freedom: float | None,
     degree: int,
     frame: Frame | None,
+    recording: Recording,
     *,
     discrepancy: bool,
 ) -> Problem:
@@ -231,6 +269,8 @@ def _problem(
         return ImpactProblem(data, predictor, unknown, degrees_of_freedom, corrections)
     if isinstance(data, MeasuredSeries) and data.path:
         noise: dict[str, Any] = {"discrepancy": discrepancy, "degrees_of_freedom": degrees_of_freedom}
+        if of_curve(data):
+            return curve_problem(data, setup.law, keys, recording, **noise)
         return record_problem(data, setup.law, keys, **noise, degree=degree, frame=frame)
     if "resonator" not in setup.configuration:
         raise ConfigurationError("A motor made in Python has no configuration, by which it is fitted.")

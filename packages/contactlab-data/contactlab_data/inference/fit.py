@@ -268,7 +268,9 @@ def _predictive(
     generator = np.random.default_rng([seed, 2])
     measured = {str(name): item.values for name, item in problem.data.items()}
     discrepancies: dict[str, Callable[..., float]] = {"p_deviance": problem.deviance}
-    if over_time := [name for name, item in problem.data.items() if str(item.dims[0]).endswith("time")]:
+    if over_time := [
+        name for name, item in problem.data.items() if str(item.dims[0]).endswith(("time", "row"))
+    ]:
         discrepancies["p_succession"] = partial(succession, [str(name) for name in over_time])
     exceeded = dict.fromkeys(discrepancies, 0)
     parts: list[dict[str, list[Array]]] = [{}, {}, {}]

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from contactlab.arrays import Array
 from contactlab.config import ConfigurationError
 from contactlab.progress import part_of_progress
+from contactlab_data.inference.curve_problem import CurveProblem
 from contactlab_data.inference.impact_problem import ImpactProblem
 from contactlab_data.inference.joint_problem import JointProblem
 from contactlab_data.inference.least_squares import best_fit
@@ -23,7 +24,8 @@ from contactlab_data.inference.motor_problem import OverTime, PointsProblem
 from contactlab_data.inference.problem import Problem
 
 HeldOut = Literal["auto", "off", "files", "cycles", "folds"]
-"""What is held out in turn; auto is files, cycles of a loop, or folds of impacts, what there are two of."""
+"""What is held out in turn; auto is files, cycles of a loop, or folds of impacts or of a
+force curve, what there are two of."""
 
 FOLDS: Final = 5
 
@@ -51,7 +53,7 @@ def folds_of(problem: Problem, held_out: HeldOut, seed: int = 0) -> Folds | None
     elif held_out == "auto":
         # Nothing that takes runs of a motor.
         chosen = "off" if _slip(problem) is None else "cycles"
-        chosen = "folds" if isinstance(problem, ImpactProblem) else chosen
+        chosen = "folds" if isinstance(problem, ImpactProblem | CurveProblem) else chosen
     if chosen == "off":
         return None
     if chosen == "files" and own:

@@ -5,13 +5,16 @@ Numbers with a range are free; without any range every number of a law is free t
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any, Final, Literal
+
+import numpy as np
 
 from contactlab import laws
 from contactlab.config import ConfigurationError, Setup
 from contactlab.config.nesting import flat
 from contactlab.config.schema import FRICTION, declared_in
 from contactlab.driving import FRAME, Frame
+from contactlab.force_curves import CURVE, Recording
 from contactlab.laws import Composed, ContactLaw, MultiplierLaw, registry
 from contactlab.laws.composed import label_of
 from contactlab.laws.declaration import SHARED
@@ -21,6 +24,7 @@ from contactlab.suggestion import suggestion
 from contactlab_data.inference.free_parameters import FreeParameter, chosen_range, fields_of, free_parameters
 from contactlab_data.inference.impact_problem import LawPredictor, Ranges
 from contactlab_data.measured.bodies import CORRECTIONS
+from contactlab_data.measured.series import MeasuredSeries
 
 LAW: Final = "law."
 DATA: Final = "data."
@@ -95,6 +99,50 @@ def frame_in(
         raise ConfigurationError(str(error)) from error
 
 
+def recording_in(
+    free: Free, stated: Mapping[str, float | Literal["free"] | None], curves: Sequence[MeasuredSeries]
+) -> tuple[Recording, tuple[FreeParameter, ...]]:
+    """Return how force curves were recorded, and its free numbers, in the middle of their ranges.
+
+    The range of a number that is free without one is that of the curves: of the contact point all positions,
+    of the baseline all forces and as much below and above, of the tilt up to that of all forces over all
+    positions.
+
+    Args:
+        free: ranges by key, of `contactlab.force_curves.CURVE` and others.
+        stated: values by the same keys, or that they are free; zero and None are none.
+        curves: measured force curves.
+
+    Raises:
+        ConfigurationError: there is no curve, a value or range is not admitted, or a number has both.
+    """
+    values = {name: x for name, x in stated.items() if x}
+    ranges = {name: free[name] for name in CURVE if name in free}
+    if twice := [name for name in ranges if name in values]:
+        raise ConfigurationError([f"{name} has a value and a range; it must have one." for name in twice])
+    if not curves:
+        if odd := [*values, *ranges]:
+            raise ConfigurationError(f"{', '.join(odd)} is of force curves; the data have none.")
+        return Recording(), ()
+    z = np.concatenate([x.path["z"] for x in curves])
+    force = np.concatenate([x.values["normal_force"] for x in curves])
+    low, high, span = float(np.nanmin(force)), float(np.nanmax(force)), float(np.ptp(z))
+    reach = high - low
+    known = {
+        "contact_point": (float(z.min()), float(z.max())),
+        "baseline": (low - reach, high + reach),
+        "tilt": (-reach / (span or 1.0), reach / (span or 1.0)),
+    }
+    for name in [name for name, x in values.items() if x == "free"]:
+        del values[name]
+        ranges[name] = known[name]
+    keys = tuple(chosen_range(name, ends, CURVE[name], name) for name, ends in ranges.items())
+    try:
+        return Recording().changed({**values, **{item.name: item.from_unit(0.5) for item in keys}}), keys
+    except ValueError as error:
+        raise ConfigurationError(str(error)) from error
+
+
 def is_of_data(key: str) -> bool:
     """Return whether a free number is one of the measured impacts."""
     return key.startswith(DATA)
@@ -116,7 +164,9 @@ def free_numbers(
     Raises:
         ConfigurationError: no setup has a number, or a range is not admitted.
     """
-    ranges = {key: ends for key, ends in free.items() if not (is_of_data(key) or key in FRAME)}
+    ranges = {
+        key: ends for key, ends in free.items() if not (is_of_data(key) or key in FRAME or key in CURVE)
+    }
     result, every = {}, dict[str, Parameter]()
     for label, setup in setups.items():
         declared = declared_in(setup.configuration)
@@ -142,12 +192,15 @@ def free_numbers(
 
 
 def numbers_of(
-    setup: Setup, free: Sequence[FreeParameter], keys: Collection[str], frame: Frame | None = None
+    setup: Setup,
+    free: Sequence[FreeParameter],
+    keys: Collection[str],
+    beside: Frame | Recording | None = None,
 ) -> str:
-    """Return a sentence on free and fixed numbers of law and frame, and on some keys that the law lacks."""
+    """Return a sentence on free and fixed numbers of law and what is beside it, and on keys that it lacks."""
     names = {item.name for item in free}
     every = {key_of(name): value for name, value in setup.law.describe().items()}
-    every |= frame.numbers if frame else {}
+    every |= beside.numbers if beside else {}
     fixed = {key: value for key, value in every.items() if key not in names}
     absent = [key for key in keys if key.startswith(LAW) and key not in {*flat(setup.configuration)}]
     return " ".join(

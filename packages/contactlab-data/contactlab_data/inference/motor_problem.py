@@ -163,8 +163,9 @@ class MotorProblem(Problem):
             noise = self.noise(name, values) * draws.standard_normal(series.size)
             made[name] = series + noise * student_factor(draws, tails, series.size)
             if (amplitude := self.amplitude(name, values)) > 0.0:
+                assert isinstance(self.measured, MeasuredSeries)
                 path = draws.standard_normal(series.size)
-                ornstein_uhlenbeck(path, self.data["time"].values, amplitude, self.correlation)
+                ornstein_uhlenbeck(path, self.measured.time, amplitude, self.correlation)
                 made[name] += path
         return made
 

@@ -14,6 +14,7 @@ from contactlab_data.measured.columns import CONTACT, impacts_of, known_names
 from contactlab_data.measured.impacts import MeasuredImpacts as MeasuredImpacts
 from contactlab_data.measured.series import (
     MEASURABLE,
+    POSITION,
     VELOCITY,
     MeasuredPoints,
     MeasuredSeries,
@@ -29,8 +30,8 @@ _COMPRESSED: Final = {"zlib": True, "complevel": 1, "shuffle": True, "_FillValue
 def read_measurements(path: str | Path) -> MeasuredImpacts | MeasuredSeries | MeasuredPoints:
     """Read measured impacts, tracks, series or operating points, by content.
 
-    Impacts have velocities before and after, tracks a time, x and y, series a time, operating points a rotor
-    velocity and no time.
+    Impacts have velocities before and after, tracks a time, x and y, series a time, force curves a z,
+    operating points a rotor velocity and no time.
 
     Raises:
         OSError: the file cannot be read.
@@ -48,7 +49,7 @@ def read_measurements(path: str | Path) -> MeasuredImpacts | MeasuredSeries | Me
         names = {*table.names}
         if {"time", "x", "y"} <= names:
             return impacts_of_tracks(table, path.stem)
-        series = {"time", *MEASURABLE} & names
+        series = {"time", POSITION, *MEASURABLE} & names
         if series == {VELOCITY}:
             return points_of_table(table, digest_of_file(path))
         if series and not any(name.startswith(("before_", "after_")) for name in names):

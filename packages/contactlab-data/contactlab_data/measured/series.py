@@ -17,6 +17,12 @@ path, where there is a column `slip` or `velocity`:
 
 Cells of what is measured may be empty: a row without all of them has no prediction to be compared with.
 
+A force curve, where there is a column `z`; its rows are in the order in which they were measured:
+
+    z                       position of the cantilever's base [m], greater away from the surface
+    normal_force            N, positive where it pushes the tip away
+    normal_force_error      as of a motor
+
 Operating points of a settled motor:
 
     rotor_velocity          rad/s, of the settled motor
@@ -60,8 +66,11 @@ MEASURABLE: Final = {
 }
 """Quantities of a motor that can be measured, by name."""
 
-PATH: Final = {"slip": "m", "velocity": "m s-1", "gap": "m", "normal": "N"}
-"""Units of what can be prescribed to a contact; a column of either of the first two tells that it is."""
+PATH: Final = {"slip": "m", "velocity": "m s-1", "gap": "m", "normal": "N", "z": "m"}
+"""Units of what can be prescribed to a contact; a column of the first two or the last tells that it is."""
+
+POSITION: Final = "z"
+"""What is prescribed in a force curve, and nothing else."""
 
 MEANS, AT_TIMES = "means", "values"
 """What forces of a record are: over the interval that ends at their time, or at it."""
@@ -85,8 +94,9 @@ class MeasuredSeries:
         configuration: of the motor as far as the file states it, may be empty.
         attributes: all others of the file.
         digest: of the file.
-        path: slip, and gap or normal, shape (time,) each, prescribed to a contact; empty for a motor. Rows of
-            a path without all forces have NaN for these.
+        path: slip, and gap or normal, or z, shape (time,) each, prescribed to a contact; empty for a motor.
+            Rows of a path without all forces have NaN for these. The times of a force curve are the numbers
+            of its rows, from 0.
         notes: sentences of the reader.
     """
 
@@ -173,12 +183,15 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
         result[rows] = table.numbers(name, units[name], rows)
         return result[kept]
 
-    columns = {name: column(name) for name in ("time", *present, *stated, *path)}
-    time = columns["time"]
+    curve = path == [POSITION]
+    columns = {name: column(name) for name in (*present, *stated, *path)}
+    time = np.arange(kept.size, dtype=np.float64) if curve else column("time")
     if time.size < FEWEST or (time[0] < 0.0 and not path) or not (np.diff(time) > 0.0).all():
         raise MeasurementError(
             f"time must have at least {FEWEST} values that increase, from 0 when the drive is switched on; "
             f"it has {time.size}, from {time.min(initial=np.inf):.9g} s."
+            if not curve
+            else f"z must have at least {FEWEST} values; it has {time.size}."
         )
     for name in stated:
         if not (least := np.nanmin(columns[name])) > 0.0:
@@ -186,7 +199,7 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
     attributes = {str(key): value for key, value in table.data.attrs.items() if key != "configuration"}
     if (kind := attributes.get("forces", MEANS)) not in (MEANS, AT_TIMES):
         raise MeasurementError(f"forces is '{excerpt(kind)}'; it must be {MEANS} or {AT_TIMES}.")
-    notes = [*gaps(time)]
+    notes = [*(backwards(columns[POSITION], columns["normal_force"]) if curve else gaps(time))]
     if count < seen.size:
         notes.append(f"{seen.size - count} of {seen.size} rows lack a measured number and are not compared.")
     if "velocity" in path:
@@ -206,13 +219,17 @@ def series_of_table(table: Table, digest: str) -> MeasuredSeries:
 
 def names_in(table: Table) -> tuple[dict[str, str], list[str], list[str], list[str]]:
     """Return units by name, and the names of what is measured, of stated errors and of the path."""
-    path = [name for name in PATH if name in table.names]
-    path = path if {"slip", "velocity"} & {*path} else []
-    measurable = {n: x.units for n, x in MEASURABLE.items() if not path or n in FORCES}
-    units = {"time": "s"} | measurable | {name: PATH[name] for name in path}
+    curve = POSITION in table.names
+    path = [POSITION] if curve else [name for name in PATH if name in table.names]
+    path = path if {"slip", "velocity", POSITION} & {*path} else []
+    names = FORCES[:1] if curve else FORCES if path else (*MEASURABLE,)
+    measurable = {name: MEASURABLE[name].units for name in names}
+    units = ({} if curve else {"time": "s"}) | measurable | {name: PATH[name] for name in path}
     units |= {f"{name}{ERROR}": units[name] for name in [*measurable, *({"velocity"} & {*path})]}
     present = [name for name in measurable if name in table.names]
-    if "time" not in table.names or not (present or path) or len(path) not in (0, 2):
+    if curve and not present:
+        raise MeasurementError(f"it has {excerpt(', '.join(table.names))}; beside z it must have {names[0]}.")
+    if not curve and ("time" not in table.names or not (present or path) or len(path) not in (0, 2)):
         beside = ", and slip or velocity beside either gap or normal" if path else ""
         raise MeasurementError(
             f"it has {excerpt(', '.join(table.names))}; it must have time and at least one of "
@@ -255,6 +272,16 @@ def gaps(time: Array) -> Iterator[str]:
         yield (
             f"The record has {count} gaps of more than {LONG:g} intervals of {usual:.3g} s, the longest of "
             f"{intervals[longest]:.3g} s after {time[longest]:.6g} s."
+        )
+
+
+def backwards(position: Array, force: Array) -> Iterator[str]:
+    """Yield a sentence on a force curve that pushes most where the base is far away, if it does."""
+    place = position[np.nanargmax(force)]
+    if place > 0.5 * (position.min() + position.max()):
+        yield (
+            f"normal_force is greatest at z = {place:.6g} m, in the far half of the curve; z must be greater "
+            "away from the surface, and normal_force positive where it pushes the tip away."
         )
 
 

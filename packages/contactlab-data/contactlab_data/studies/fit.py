@@ -20,6 +20,7 @@ import yaml
 from contactlab.config import ConfigurationError, build
 from contactlab.driving import DEGREE, FRAME
 from contactlab.estimate import Estimate
+from contactlab.force_curves import CURVE
 from contactlab.results.files import digest_of_file
 from contactlab.studies.function import function_of, of_laws
 from contactlab.studies.law_study import OF_MOTOR, read_file
@@ -57,12 +58,13 @@ class Fit(Study):
 
     Numbers with a range, KEY=LOW..HIGH, are free; without any range all numbers of the law are that are not
     stated. Numbers of the geometry of measured impacts are data.NAME. Behind a frame the slip of a path is
-    that of its load point, as in `drive`; frame_stiffness and its others are values or ranges. Least squares
-    from many starts are followed by nested sampling, which yields posterior and evidence. Several laws,
-    law=A,B, are compared by their evidence, each with its own numbers free besides. Keys are those of the
-    motor that the data state, and go before them. Least squares, with intervals by the profile likelihood,
-    are on the page within seconds, posterior and evidence when they are there; method=least_squares ends with
-    the first.
+    that of its load point, as in `drive`; frame_stiffness and its others are values or ranges. So are
+    contact_point, baseline, tilt and cantilever_stiffness of a force curve, of which the first three may be
+    free without a range. Least squares from many starts are followed by nested sampling, which yields
+    posterior and evidence. Several laws, law=A,B, are compared by their evidence, each with its own numbers
+    free besides. Keys are those of the motor that the data state, and go before them. Least squares, with
+    intervals by the profile likelihood, are on the page within seconds, posterior and evidence when they are
+    there; method=least_squares ends with the first.
 
         >>> import contactlab as cl
         >>> newton = cl.build(["law=newton"])
@@ -80,7 +82,9 @@ class Fit(Study):
 
     data: Annotated[
         list[str | Path | Data] | str | Path | Data,
-        option("files of measured impacts, tracks, forces on a path, or series or points of a motor"),
+        option(
+            "files of measured impacts, tracks, forces on a path, force curves, series or points of a motor"
+        ),
     ] = ""
     method: Annotated[Method, option("least_squares, or nested sampling after them")] = "nested"
     free: Annotated[FreeNumbers, option("ranges of free numbers, KEY=LOW..HIGH")] = None
@@ -99,6 +103,10 @@ class Fit(Study):
     frame_stiffness: Annotated[float | None, FRAME["frame_stiffness"]] = None
     frame_damping: Annotated[float, FRAME["frame_damping"]] = 0.0
     frame_force: Annotated[float, FRAME["frame_force"]] = 0.0
+    contact_point: Annotated[float | Literal["free"], CURVE["contact_point"]] = 0.0
+    baseline: Annotated[float | Literal["free"], CURVE["baseline"]] = 0.0
+    tilt: Annotated[float | Literal["free"], CURVE["tilt"]] = 0.0
+    cantilever_stiffness: Annotated[float | None, CURVE["cantilever_stiffness"]] = None
     points: Annotated[int, option("live points", at_least=25, at_most=100_000)] = POINTS
     starts: Annotated[int, option("starts of least squares", at_least=1, at_most=10_000)] = STARTS
     seed: Annotated[int, option("seed of all random numbers", at_least=0)] = 0
@@ -206,6 +214,7 @@ class Fit(Study):
             degrees_of_freedom=inf if tails is None else None if tails == "free" else tails,
             degree=self.degree,
             frame={name: getattr(self, name) for name in FRAME},
+            recording={name: getattr(self, name) for name in CURVE},
             name=", ".join(Path(x).name for x in self._sources if isinstance(x, str | Path)),
             digest=" ".join(
                 digest_of_file(Path(x)) if isinstance(x, str | Path) else getattr(x, "digest", "")

@@ -147,6 +147,9 @@ def draw_predictions(fit: xarray.DataTree, label: str) -> Figure:
     if "time" in data.dims:
         unit, scale = handy_unit([data["time"].values], "s")
         return _over(data, predictive, data["time"].values / scale, f"time ({unit})", title)
+    if "row" in data.dims:
+        unit, scale = handy_unit([data["z"].values], "m")
+        return _over(data, predictive, data["z"].values / scale, f"z ({unit})", title, as_measured=True)
     if "point" in data.dims:
         key = str(next(iter(data.coords)))
         unit, scale = handy_unit([data[key].values], data[key].attrs["units"])
@@ -177,9 +180,20 @@ def draw_residuals(fit: xarray.DataTree) -> Figure:
     return legend_above(figure, panels[0], f"{law_in(fit)}: residuals")
 
 
-def _over(data: xarray.Dataset, predictive: xarray.Dataset, place: Array, label: str, title: str) -> Figure:
-    """Draw each quantity with its band, and below both less the median of the predictions."""
-    order = np.argsort(place, kind="stable")
+def _over(
+    data: xarray.Dataset,
+    predictive: xarray.Dataset,
+    place: Array,
+    label: str,
+    title: str,
+    *,
+    as_measured: bool = False,
+) -> Figure:
+    """Draw each quantity with its band, and below both less the median of the predictions.
+
+    Lines join the data by their places, or as they were measured, there and back.
+    """
+    order = np.arange(place.size) if as_measured else np.argsort(place, kind="stable")
     place, size = place[order], 1.5 if place.size > FEW else 4.0
     count = len(data)
     figure, panels = drawing(2 * count, 1, 2.6 * count + 0.3, sharex=True, height_ratios=[2, 1] * count)
