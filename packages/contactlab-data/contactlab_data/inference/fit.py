@@ -168,7 +168,9 @@ def sampled(
         checkpoint: file from which an interrupted fit resumes.
         workers: processes; None is one a processor where that pays.
     """
-    problem = candidate.problem
+    problem, best = candidate.problem, first["summary"].to_dataset()["best"].values
+    if np.isfinite(best).all():
+        problem = problem.following(best[: len(problem.parameters)])
     with part_of_progress(0.0, 1.0, f"{candidate.label}: "):
         posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     about = {name: first.attrs[name] for name in SEARCH}
@@ -180,7 +182,7 @@ def sampled(
         assert predicted is not None
         return predicted
 
-    return _tree(candidate, posterior, predict, first["summary"].to_dataset()["best"].values, kept, about)
+    return _tree(candidate, posterior, predict, best, kept, about)
 
 
 def linear_predictions(problem: Problem, best: Optimum) -> Callable[[Array], dict[str, Array]]:

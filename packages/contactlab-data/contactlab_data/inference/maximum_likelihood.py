@@ -76,12 +76,22 @@ Residuals = Callable[[Array], Array]
 def maximum_likelihood(problem: Problem, starts: int, seed: int, begin: Array | None = None) -> Optimum:
     """Return the likeliest numbers of law and motor, and those of the noise.
 
+    Steady states follow each other. Where the optimum has other residuals from rest the motor has come to
+    another motion than the one that was followed, and all is searched again from rest.
+
     Args:
         starts, seed, begin: of the first search, see `best_fit`.
 
     Raises:
         ValueError: the residuals are finite at no point.
     """
+    best = _likeliest(problem.following(), starts, seed, begin)
+    off = problem.residuals(best.all_values) - best.residuals
+    return best if np.linalg.norm(off) < MOVED else _likeliest(problem, starts, seed, begin)
+
+
+def _likeliest(problem: Problem, starts: int, seed: int, begin: Array | None) -> Optimum:
+    """Return the likeliest numbers of a problem; arguments as of `maximum_likelihood`."""
     search: dict[str, Any] = {"begin": begin, "step": problem.step, "agreed": AGREED, "looks": LOOKS}
     best = found = best_fit(problem.residuals, problem.parameters, starts, seed, **search)
     for _ in range(ROUNDS if problem.nuisances else 0):
