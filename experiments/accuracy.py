@@ -6,10 +6,12 @@ The reference case beside numbers of independent solvers; the motor on truncated
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from math import hypot, log, pi
 from typing import Any, Final
 
 import numpy as np
+from fit_coverage import KINDS, coverage as intervals
 from impact_mass import FREQUENCY, STEPS, mass_met
 from references import HERTZ_CASE_A, RIGID_CASE_A
 
@@ -253,5 +255,6 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[
     "coverage": (coverage, lambda: coverage(1)),
     "true law": (true_law, lambda: true_law((100,))),
     "rotor fit": (rotor_fit, lambda: rotor_fit(10)),
+    **{f"intervals of {kind}": (partial(intervals, kind), partial(intervals, kind, 1)) for kind in KINDS},
 }
 """What makes a section, and its short form."""

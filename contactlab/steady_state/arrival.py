@@ -217,12 +217,13 @@ def followed(setup: Setup, known: Orbit) -> Steady | None:
     z = scale * known.state
     try:
         orbit = continued(section, z, scale[:, None] * known.jacobian / scale)
+        # That of an orbit that is not stable is infinite.
         times = ceil(min(TEST_RUN * orbit.settling_time / section.period, MOST_WARM_UP + 1.0)) or 1
         if times > MOST_WARM_UP or not _missed(orbit, z, times) <= DEVIATION:
             return None
         state = _on_orbit(section, orbit, times)
     # A rigid law refuses a start inside the rotor.
-    except (NoOrbitError, BrokenOffError, ValueError):
+    except (NoOrbitError, BrokenOffError, NotSettledError, ValueError):
         return None
     return state if section.ends_at(state.motion) else None
 

@@ -77,8 +77,7 @@ def bounds(number: FreeParameter, ends: Array) -> str:
 
 def determinations(problem: Problem, best: Optimum) -> list[Determination]:
     """Return the interval of each number of law and motor, and the part of the data that decides it alone."""
-    residuals = standardised(problem.following(), best.noise)
-    scale, quantile = scale_of(problem, best)
+    residuals, (scale, quantile) = standardised(problem, best.noise), scale_of(problem, best)
     profile = partial(profile_ends, step=problem.step)
     units, count = parts_of(problem, "units"), len(best.free)
     with part_of_progress(0.0, 0.7):

@@ -172,12 +172,11 @@ def held_out_misfits(problem: Problem, folds: Folds, best: Array, seed: int) -> 
         seed: of the fit.
     """
     misfits, values, count = list[Array](), list[Array](), len(folds.labels)
-    followed = problem.following()
     for number in range(count):
         here = folds.fold == number
 
         def of_others(values: Array, here: NDArray[np.bool_] = here) -> Array:
-            return followed.residuals(values)[~here]
+            return problem.residuals(values)[~here]
 
         with part_of_progress(number / count, (number + 1) / count, f"held out: {folds.labels[number]}, "):
             fit = best_fit(of_others, problem.parameters, 1, seed, begin=best, step=problem.step)

@@ -76,22 +76,12 @@ Residuals = Callable[[Array], Array]
 def maximum_likelihood(problem: Problem, starts: int, seed: int, begin: Array | None = None) -> Optimum:
     """Return the likeliest numbers of law and motor, and those of the noise.
 
-    Steady states follow each other. Where the optimum has other residuals from rest the motor has come to
-    another motion than the one that was followed, and all is searched again from rest.
-
     Args:
         starts, seed, begin: of the first search, see `best_fit`.
 
     Raises:
         ValueError: the residuals are finite at no point.
     """
-    best = _likeliest(problem.following(), starts, seed, begin)
-    off = problem.residuals(best.all_values) - best.residuals
-    return best if np.linalg.norm(off) < MOVED else _likeliest(problem, starts, seed, begin)
-
-
-def _likeliest(problem: Problem, starts: int, seed: int, begin: Array | None) -> Optimum:
-    """Return the likeliest numbers of a problem; arguments as of `maximum_likelihood`."""
     search: dict[str, Any] = {"begin": begin, "step": problem.step, "agreed": AGREED, "looks": LOOKS}
     best = found = best_fit(problem.residuals, problem.parameters, starts, seed, **search)
     for _ in range(ROUNDS if problem.nuisances else 0):
@@ -102,6 +92,26 @@ def _likeliest(problem: Problem, starts: int, seed: int, begin: Array | None) ->
         if moved < MOVED:
             break
     return replace(best, costs=found.costs, hits=found.hits)
+
+
+def followed_search(problem: Problem, starts: int, seed: int) -> tuple[Problem, Optimum]:
+    """Return the problem whose steady states follow each other, and its optimum.
+
+    Where the optimum has other residuals from rest, the motor has come to another motion than the one that
+    was followed: then it is the problem itself, searched from rest.
+
+    Args:
+        starts, seed: of the search, see `best_fit`.
+
+    Raises:
+        ValueError: the residuals are finite at no point.
+    """
+    followed = problem.following()
+    best = maximum_likelihood(followed, starts, seed)
+    off = problem.residuals(best.all_values) - best.residuals
+    if np.linalg.norm(off) < MOVED:
+        return followed, best
+    return problem, maximum_likelihood(problem, starts, seed)
 
 
 def standardised(problem: Problem, noise: Array) -> Residuals:
