@@ -248,7 +248,7 @@ def is_followed(orbit: Orbit) -> bool:
     if contact["limits.remembered"] or any(each.discrete for each in section.setup.law.internal_variables):
         return False
     other = replace(section, contact={**contact, "impact_speed": 1.0 + contact["impact_speed"]})
-    return np.array_equal(section(orbit.state), other(orbit.state))
+    return orbit.is_near(other.ends(orbit.state[None])[0], ARRIVED)
 
 
 def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:
