@@ -24,9 +24,6 @@ from contactlab_data.measured.series import VELOCITY, MeasuredPoints, MeasuredSe
 
 STARTS: Final = 4
 
-SETS: Final = {"loop": 200, "impacts": 200, "points": 60}
-"""Sets of data of each kind."""
-
 INSIDE: Final = (0.2, 0.8)
 """Shares of the ranges within which truths are drawn."""
 
@@ -87,8 +84,8 @@ def covered(problem: Any, seed: int) -> dict[str, bool]:
     return {item.number.name: bool(item.interval[0] <= x <= item.interval[1]) for x, item in rows}
 
 
-def coverage(kind: str, sets: int | None = None) -> dict[str, Any]:
-    """Return how many of the intervals of a kind hold the truth, by number."""
-    problem, count = KINDS[kind](), sets or SETS[kind]
-    every = [covered(problem, seed) for seed in range(count)]
-    return {"sets": count, "covered": {name: sum(each[name] for each in every) for name in every[0]}}
+def coverage(kind: str, sets: int) -> dict[str, Any]:
+    """Return how many of the intervals of so many sets of data hold the truth, by number."""
+    problem = KINDS[kind]()
+    every = [covered(problem, seed) for seed in range(sets)]
+    return {"sets": sets, "covered": {name: sum(each[name] for each in every) for name in every[0]}}
