@@ -6,10 +6,12 @@ The reference case beside numbers of independent solvers; the motor on truncated
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
+from functools import partial
 from math import hypot, log, pi
 from typing import Any, Final
 
 import numpy as np
+from fit_coverage import coverage as intervals
 from impact_mass import FREQUENCY, STEPS, mass_met
 from references import HERTZ_CASE_A, RIGID_CASE_A
 
@@ -51,6 +53,9 @@ SHEETS: Final = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 
 FITS: Final = 16
 """Fits of either kind whose intervals are counted."""
+
+MADE: Final = (("loop", 200), ("impacts", 200), ("points", 40))
+"""Kinds of data whose intervals by least squares are counted, and how many sets of each."""
 
 IMPACTS, NOISE = 60, 0.05
 """Impacts of each of them, and their error over the approach."""
@@ -253,5 +258,8 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[
     "coverage": (coverage, lambda: coverage(1)),
     "true law": (true_law, lambda: true_law((100,))),
     "rotor fit": (rotor_fit, lambda: rotor_fit(10)),
+    **{
+        f"intervals of {kind}": (partial(intervals, kind, n), partial(intervals, kind, 1)) for kind, n in MADE
+    },
 }
 """What makes a section, and its short form."""

@@ -12,6 +12,8 @@ from contactlab_data.inference.fit import ENDS
 
 NAMES: Final = {
     "friction_coefficient": "friction coefficient",
+    "rest_stiffness": "stiffness at rest",
+    "voltage_1": "voltage",
     "restitution": "restitution",
     "discrepancy": "size of the error",
     "law.stiffness": "stiffness (N/m^1.5)",
@@ -78,6 +80,20 @@ def coverage() -> str:
         for name, count in counts.items()
     )
     return markdown(("error of the impacts", "number", "intervals with the truth in them", "expected"), rows)
+
+
+def intervals() -> str:
+    """Return how many of the intervals of least squares hold the truth."""
+    kinds = {"loop": "forces on a path", "impacts": "impacts", "points": "operating points"}
+    head = ("data", "sets", "number", "intervals with the truth in them", "expected")
+    share, rows = ENDS[1] - ENDS[0], []
+    for kind, title in kinds.items():
+        here = section(f"intervals of {kind}")
+        sets = here["sets"]
+        expected = f"{share * sets:.0f} +- {sqrt(sets * share * (1.0 - share)):.1f}"
+        for name, count in here["covered"].items():
+            rows.append((title, sets, NAMES.get(name.rpartition(".")[2], name), count, expected))
+    return markdown(head, rows)
 
 
 def true_law() -> str:
@@ -154,6 +170,7 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "bases": bases,
     "data sheets": data_sheets,
     "coverage": coverage,
+    "intervals": intervals,
     "true law": true_law,
     "rotor fit": rotor_fit,
     "waits": waits,

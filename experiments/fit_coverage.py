@@ -1,15 +1,11 @@
 """How many 90 % intervals of least squares hold the truth: loops, impacts and operating points.
 
-    python experiments/fit_coverage.py [--sets 200] [--kinds loop impacts points]
-
 Data are drawn by the noise of the problem from predictions at truths in the middle of the ranges; each set is
-fitted as by `contactlab fit method=least_squares`. Of N intervals 0.9 N should hold it, up to sqrt(0.09 N).
+fitted as by `contactlab fit method=least_squares`. Sections of docs/results/accuracy.json, by remake.py.
 """
 
-import argparse
 from collections.abc import Callable
 from dataclasses import replace
-from math import sqrt
 from typing import Any, Final
 
 import numpy as np
@@ -21,12 +17,13 @@ from contactlab_data.inference.candidates import candidates_of
 from contactlab_data.inference.determination import determinations
 from contactlab_data.inference.free_parameters import from_cube
 from contactlab_data.inference.impact_problem import ImpactProblem
-from contactlab_data.inference.maximum_likelihood import maximum_likelihood
+from contactlab_data.inference.maximum_likelihood import followed_search
 from contactlab_data.inference.problem import Problem
 from contactlab_data.inference.synthetic import made_impacts
 from contactlab_data.measured.series import VELOCITY, MeasuredPoints, MeasuredSeries
 
 STARTS: Final = 4
+
 INSIDE: Final = (0.2, 0.8)
 """Shares of the ranges within which truths are drawn."""
 
@@ -71,38 +68,24 @@ def _problem(data: Any, overrides: list[str], free: Any) -> Problem:
     return candidate.problem
 
 
-def covered(problem: Any, seed: int) -> list[bool]:
+def covered(problem: Any, seed: int) -> dict[str, bool]:
     """Return whether the interval of each number holds the truth, of one set of data."""
     draws = np.random.default_rng([seed, 5])
     truth = from_cube(problem.parameters, draws.uniform(*INSIDE, len(problem.parameters)))
     # Noise that is not stated has the size that it is found with in the impacts above.
     values = np.append(truth, [0.05] * len(problem.nuisances))
     predicted = problem.predict(truth)
-    if predicted is None:
-        return []
     made = problem.replicate(predicted, values, draws)
     own = made if not isinstance(problem, ImpactProblem) else made["velocity_after"]
     name = "velocity_after" if isinstance(problem, ImpactProblem) else "values"
     problem = replace(problem, measured=replace(problem.measured, **{name: own}))
-    best = maximum_likelihood(problem, STARTS, 0)
-    rows = zip(truth, determinations(problem, best), strict=True)
-    return [bool(item.interval[0] <= x <= item.interval[1]) for x, item in rows]
+    near, best = followed_search(problem, STARTS, 0)
+    rows = zip(truth, determinations(near, best), strict=True)
+    return {item.number.name: bool(item.interval[0] <= x <= item.interval[1]) for x, item in rows}
 
 
-def main() -> int:
-    """Print the share of intervals that hold the truth; the exit status is 1 outside of 86 to 94 %."""
-    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
-    parser.add_argument("--sets", type=int, default=200)
-    parser.add_argument("--kinds", nargs="+", choices=[*KINDS], default=[*KINDS])
-    options, outside = parser.parse_args(), 0
-    for kind in options.kinds:
-        problem = KINDS[kind]()
-        result = [inside for seed in range(options.sets) for inside in covered(problem, seed)]
-        share, error = float(np.mean(result)), sqrt(0.09 / len(result))
-        print(f"{kind}: {share:.1%} of {len(result)} intervals hold the truth, 90.0% +- {error:.1%} expected")
-        outside += not 0.86 <= share <= 0.94
-    return int(outside > 0)
-
-
-if __name__ == "__main__":
-    raise SystemExit(main())
+def coverage(kind: str, sets: int) -> dict[str, Any]:
+    """Return how many of the intervals of so many sets of data hold the truth, by number."""
+    problem = KINDS[kind]()
+    every = [covered(problem, seed) for seed in range(sets)]
+    return {"sets": sets, "covered": {name: sum(each[name] for each in every) for name in every[0]}}

@@ -49,6 +49,13 @@ def value(key: str, file: str = "motor") -> Any:
     return with_error(stored, here.get(f"{name}_error") if isinstance(here, dict) else None)
 
 
+def covering(kind: str) -> Number:
+    """Return the share of 90 % intervals that hold the truth, with its binomial interval of 95 %."""
+    own = results("accuracy")[f"intervals of {kind}"]
+    count = own["sets"] * len(own["covered"])
+    return Number.of(sum(own["covered"].values()) / count, 1.96 * sqrt(0.09 / count))
+
+
 def with_error(stored: Any, error: float | None = None) -> Any:
     """Return what is stored; a float with its error."""
     return Number.of(stored, error) if isinstance(stored, float) else NONE if stored is None else stored

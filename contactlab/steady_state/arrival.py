@@ -10,6 +10,7 @@ import numpy as np
 from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.engine import simulate
+from contactlab.engine.initial_state import memory_mark
 from contactlab.engine.state import State
 from contactlab.interrupts import raise_if_stopped
 from contactlab.laws.base import ELASTOPLASTIC, FREE, RATE_DEPENDENT, SLIP, STICK, is_stepped
@@ -24,7 +25,7 @@ from contactlab.settling.statistics import (
     trend,
 )
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap, continues, period_of
-from contactlab.steady_state.shooting import NoOrbitError, Orbit, orbit_from
+from contactlab.steady_state.shooting import NoOrbitError, Orbit, continued, orbit_from
 from contactlab.steady_state.state import Steady
 from contactlab.trajectory import Ending, Trajectory
 from contactlab.variables import INTERNAL
@@ -187,6 +188,67 @@ def settled(
     if orbit is not None and _drifts_to(orbit, clock.end_of(run)):
         return _on_orbit(clock, orbit, done)
     return _without_orbit(clock, _on(run, longest // 2))
+
+
+def followed(setup: Setup, known: Orbit) -> Steady | None:
+    """Compute the steady state of a motor whose numbers differ from those of a known orbit, on its branch.
+
+    Newton's method begins on the known orbit (`shooting.continued`), and what it finds is accepted as
+    `settled` accepts an orbit: it is stable, and a motor on the known orbit goes to it as the linearised map
+    says. From rest a motor that has several motions may come to another one.
+
+    Args:
+        setup: what moves; its drive has the period of the known one.
+        known: orbit of another motor that `is_followed`.
+
+    Returns:
+        None where the branch is not followed in one step; the motor or law may be of another kind, too.
+    """
+    before, law = known.map, setup.law
+    contact = continues(before.contact, law)
+    if memory_mark(law) != memory_mark(before.setup.law) or (contact is None) != (before.contact is None):
+        return None
+    section = replace(before, setup=setup, contact=contact)
+    # Units of the states: modes and rotor may be others, too.
+    units, others = _units(section), _units(before)
+    if units.shape != others.shape:
+        return None
+    scale = units / others
+    z = scale * known.state
+    try:
+        orbit = continued(section, z, scale[:, None] * known.jacobian / scale)
+        # That of an orbit that is not stable is infinite.
+        times = ceil(min(TEST_RUN * orbit.settling_time / section.period, MOST_WARM_UP + 1.0)) or 1
+        if times > MOST_WARM_UP or not _missed(orbit, z, times) <= DEVIATION:
+            return None
+        state = _on_orbit(section, orbit, times)
+    # A rigid law refuses a start inside the rotor.
+    except (NoOrbitError, BrokenOffError, NotSettledError, ValueError):
+        return None
+    return state if section.ends_at(state.motion) else None
+
+
+def _units(section: PeriodMap) -> Array:
+    """Return the state of a map whose quantities in SI are all one."""
+    each = np.ones(section.scale.size)
+    return section.state_of(ModalState(each, each), 1.0, np.ones(len(section.variables)))
+
+
+def is_followed(orbit: Orbit) -> bool:
+    """Return whether an orbit depends on its state z alone, so that its branch is that of z.
+
+    Orbits do not that take several periods or have directions that keep what they are given, and, in contact,
+    those that count the impact that began it, a residual indentation or discrete internal variables.
+    """
+    section, contact = orbit.map, orbit.map.contact
+    if section.periods > 1 or orbit.neutral.any():
+        return False
+    if contact is None:
+        return True
+    if contact["limits.remembered"] or any(each.discrete for each in section.setup.law.internal_variables):
+        return False
+    other = replace(section, contact={**contact, "impact_speed": 1.0 + contact["impact_speed"]})
+    return orbit.is_near(other.ends(orbit.state[None])[0], ARRIVED)
 
 
 def _on(run: Trajectory, periods: float, records: int = 1) -> Trajectory:

@@ -214,6 +214,37 @@ def orbit_from(section: PeriodMap, z: Array) -> Orbit:
     raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {remains:.1e} of the state")
 
 
+def continued(section: PeriodMap, z: Array, jacobian: Array) -> Orbit:
+    """Compute the orbit of a map that continues an orbit of a map of other numbers in one step.
+
+    Each move with the derivative of the other orbit, corrected by (7.3), must leave at most `WORTH` of the
+    distance: within that range simplified Newton iterations follow a branch (Deuflhard 2011, sec. 5.1).
+    Beyond it another orbit might be found, and nothing else is tried.
+
+    Args:
+        section: of the orbit that is looked for.
+        z: state of the other orbit at this section.
+        jacobian: dP/dz there.
+
+    Raises:
+        NoOrbitError: no orbit is so near.
+    """
+    slowest = _slowest(jacobian)
+    left = section(z) - z
+    for _ in range(MOST_ITERATIONS):
+        move = _newton_step(jacobian, left)
+        length, gap = float(np.linalg.norm(move)), float(np.linalg.norm(left))
+        if gap <= CLOSED * _size(z) and length <= max(REACHED, LEARNED * ROUND_OFF / slowest) * _size(z):
+            return _resolved(Orbit.at(section, z))
+        after = section(z + move) - (z + move)
+        share = float(np.linalg.norm(_newton_step(jacobian, after))) / length
+        if not share <= WORTH:
+            raise NoOrbitError(f"a step leaves {share:.2g} of the distance")
+        jacobian = updated(jacobian, move, after - left + move)
+        z, left = z + move, after
+    raise NoOrbitError(f"{MOST_ITERATIONS} steps leave a gap of {gap / _size(z):.1e} of the state")
+
+
 def _resolved(orbit: Orbit) -> Orbit:
     """Return an orbit whose multipliers are one, or known not to be."""
     away = np.abs(orbit.multipliers - 1.0)

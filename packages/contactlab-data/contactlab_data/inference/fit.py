@@ -36,7 +36,7 @@ from contactlab_data.inference.least_squares import Optimum
 from contactlab_data.inference.maximum_likelihood import (
     STARTS,
     covariance_of,
-    maximum_likelihood,
+    followed_search,
     normal_posterior,
     scale_of,
 )
@@ -65,7 +65,7 @@ ERRORS: Final = 3.0
 IMPROBABLE: Final = 0.5 * erfc(ERRORS / sqrt(2.0))
 """Posterior predictive p-value below which a law does not fit: a normal distribution beyond `ERRORS`."""
 
-SEARCH: Final = ("spread", "best_fit", "misfit", "held_out_misfit", "search")
+SEARCH: Final = ("spread", "best_fit", "misfit", "held_out_misfit", "followed", "search")
 """Attributes of least squares that a result by another method has too."""
 
 UNINFORMED: Final = 0.95
@@ -118,17 +118,18 @@ def searched(
     lines = [line for line in (*origin, candidate.numbers) if line]
     try:
         with part_of_progress(0.0, 0.5, f"{label}: "):
-            best = maximum_likelihood(problem, starts, seed)
+            near, best = followed_search(problem, starts, seed)
     except ValueError as error:
         raise ValueError(f"{label}: {error}") from error
     spread = problem.spread(best.values) if problem.parameters else 0.0
     stated = spread <= MARGIN
     with part_of_progress(0.5, 0.8, f"{label}: "):
-        every = determinations(problem, best) if stated else []
+        every = determinations(near, best) if stated else []
     ends = np.array([item.ends for item in every] or np.full((len(best.free), 2), np.nan)).reshape(-1, 2)
     posterior = normal_posterior(problem, best, ends, seed)
     predict = linear_predictions(problem, best)
     groups, about = {}, {"spread": spread, "best_fit": "{}", "misfit": np.nan, "held_out_misfit": np.nan}
+    about["followed"] = int(near is not problem)
     if stated:
         lines.append(f"Least squares: {best.hits} of {best.costs.size} starts reached the optimum.")
         lines += [f"Least squares: {phrase}." for phrase in best.warnings()]
@@ -138,7 +139,7 @@ def searched(
         about |= {"best_fit": json.dumps(best.by_name), "misfit": float(np.sqrt(np.mean(residuals**2)))}
         if folds and problem.parameters:
             with part_of_progress(0.8, 1.0, f"{label}: "):
-                groups["held_out"] = misfits = held_out_misfits(problem, folds, best.values, seed)
+                groups["held_out"] = misfits = held_out_misfits(near, folds, best.values, seed)
             square = np.average(misfits["misfit"] ** 2, weights=misfits["count"])
             about["held_out_misfit"] = float(np.sqrt(square))
     else:
@@ -168,7 +169,9 @@ def sampled(
         checkpoint: file from which an interrupted fit resumes.
         workers: processes; None is one a processor where that pays.
     """
-    problem = candidate.problem
+    problem, best = candidate.problem, first["summary"].to_dataset()["best"].values
+    if first.attrs["followed"] and np.isfinite(best).all():
+        problem = problem.following(best[: len(problem.parameters)])
     with part_of_progress(0.0, 1.0, f"{candidate.label}: "):
         posterior = sample(problem, points=points, seed=seed, checkpoint=checkpoint, workers=workers)
     about = {name: first.attrs[name] for name in SEARCH}
@@ -180,7 +183,7 @@ def sampled(
         assert predicted is not None
         return predicted
 
-    return _tree(candidate, posterior, predict, first["summary"].to_dataset()["best"].values, kept, about)
+    return _tree(candidate, posterior, predict, best, kept, about)
 
 
 def linear_predictions(problem: Problem, best: Optimum) -> Callable[[Array], dict[str, Array]]:

@@ -88,6 +88,14 @@ class JointProblem(Problem):
             result |= {named(label, name): x for name, x in predicted.items()}
         return result
 
+    def following(self, values: Array | None = None) -> Problem:
+        """Return the problem of parts whose steady states follow those found before."""
+        each = {
+            label: part.following(None if values is None else self._values(label, values))
+            for label, part in self.parts.items()
+        }
+        return replace(self, parts=each)
+
     def residuals(self, values: Array) -> Array:
         """Return the residuals of all parts."""
         return np.concatenate(

@@ -94,6 +94,26 @@ def maximum_likelihood(problem: Problem, starts: int, seed: int, begin: Array | 
     return replace(best, costs=found.costs, hits=found.hits)
 
 
+def followed_search(problem: Problem, starts: int, seed: int) -> tuple[Problem, Optimum]:
+    """Return the problem whose steady states follow each other, and its optimum.
+
+    Where the optimum has other residuals from rest, the motor has come to another motion than the one that
+    was followed: then it is the problem itself, searched from rest.
+
+    Args:
+        starts, seed: of the search, see `best_fit`.
+
+    Raises:
+        ValueError: the residuals are finite at no point.
+    """
+    followed = problem.following()
+    best = maximum_likelihood(followed, starts, seed)
+    off = problem.residuals(best.all_values) - best.residuals
+    if np.linalg.norm(off) < MOVED:
+        return followed, best
+    return problem, maximum_likelihood(problem, starts, seed)
+
+
 def standardised(problem: Problem, noise: Array) -> Residuals:
     """Return the residuals as a function of the numbers of law and motor, at fixed ones of the noise."""
     return lambda values: problem.residuals(np.append(values, noise))

@@ -36,8 +36,9 @@ from contactlab.settling.verdict import configured_period
 from contactlab.steady_state import BrokenOffError, NotSettledError, steady
 from contactlab.studies.compare.repeats import NEGLIGIBLE, OF_FRICTION, REPEATS, repeated, spread_of
 from contactlab.suggestion import suggestion
-from contactlab_data.inference.free_parameters import FreeParameter
+from contactlab_data.inference.free_parameters import FreeParameter, to_cube
 from contactlab_data.inference.impact_problem import STEP
+from contactlab_data.inference.known_orbits import KnownOrbits
 from contactlab_data.inference.problem import (
     LOG_TWO_PI,
     Problem,
@@ -378,6 +379,7 @@ class PointsProblem(MotorProblem):
     Args:
         points: values of the keys of each point, in SI.
         units: of the first key.
+        known: orbits that steady states follow; None for motors that come from rest.
     """
 
     repeats: ClassVar[tuple[str, ...]] = REPEATS
@@ -385,6 +387,7 @@ class PointsProblem(MotorProblem):
     measured: MeasuredPoints
     points: tuple[Mapping[str, float], ...]
     units: str
+    known: KnownOrbits | None = None
 
     @property
     def data(self) -> xarray.Dataset:
@@ -396,13 +399,25 @@ class PointsProblem(MotorProblem):
 
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return the settled velocities by name; None where the motor has no steady state at a point."""
-        chosen = self.chosen(values)
+        chosen, velocities = self.chosen(values), []
+        shares = to_cube(self.keys, values[: len(self.keys)])
         try:
-            velocities = [steady(build(nested({**chosen, **point}))).velocity.value for point in self.points]
+            for number, point in enumerate(self.points):
+                setup = build(nested({**chosen, **point}))
+                state = steady(setup) if self.known is None else self.known.steady(number, shares, setup)
+                velocities.append(state.velocity.value)
         # Values that are admitted one by one need not be so together.
         except (ConfigurationError, LawError, NotSettledError, BrokenOffError, ValueError):
             return None
         return {VELOCITY: np.array(velocities)}
+
+    def following(self, values: Array | None = None) -> Problem:
+        """Return the problem whose steady states follow those found before, or those at some values."""
+        problem = replace(self, known=(known := KnownOrbits()))
+        if values is not None:
+            problem.predict(values)
+            known.complete()
+        return problem
 
 
 def points_problem(

@@ -85,6 +85,18 @@ class Problem(ABC):
     def predict(self, values: Array) -> dict[str, Array] | None:
         """Return predictions by name, shape as measured; None where the law has none."""
 
+    def following(self, values: Array | None = None) -> "Problem":
+        """Return the problem whose steady states follow those found before, see `KnownOrbits`.
+
+        That is the problem itself where no steady state is predicted.
+
+        Args:
+            values: of law and motor, whose steady states alone are followed: predictions then do not depend
+                on each other, as where processes share work.
+        """
+        del values
+        return self
+
     @abstractmethod
     def residuals(self, values: Array) -> Array:
         """Return measured minus predicted over the size of the noise, shape (any,); NaN without prediction.

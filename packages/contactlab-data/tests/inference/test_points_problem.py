@@ -10,6 +10,7 @@ from contactlab.arrays import Array
 from contactlab.cli.verbs.example import examples
 from contactlab.studies.compare.repeats import MARGIN
 from contactlab_data.inference.candidates import candidates_of
+from contactlab_data.inference.maximum_likelihood import followed_search, maximum_likelihood
 from contactlab_data.inference.problem import Problem
 from contactlab_data.measured.files import read_measurements
 from contactlab_data.measured.series import MeasuredPoints
@@ -126,3 +127,59 @@ def test_a_misfit_of_several_motions_is_no_function_of_its_inputs(tmp_path: Path
     values, path = np.array([100.0]), idle(tmp_path / "points.csv")
     assert problem(path, "hertz_penalty").spread(values) < 1e-4
     assert MARGIN < problem(path, *SEVERAL).spread(values) < np.inf
+
+
+BOTH = {"contact.friction_coefficient": (0.2, 0.4), "drive.voltage_1": (90.0, 110.0)}
+PRESSED = ("contact.preload=5", "rotor.bearing_damping=300")
+
+
+def pressed(path: Path, friction: float, voltage: float) -> Problem:
+    """Points of a pressed motor, their velocities by runs from rest of fifty settling times."""
+    setup = cl.build(["law=hertz_penalty", *PRESSED])
+    truth = setup.with_({"contact.friction_coefficient": friction, "drive.voltage_1": voltage})
+    period, velocity = 1.0 / truth.configuration["drive"]["frequency"], []
+    for load in LOADS:
+        run = truth.with_({"rotor.load_torque": 1e-3 * load}).run(
+            duration=150.0 * period, record_interval=period
+        )
+        velocity.append(np.diff(run.series["rotor_angle"])[-1] / period)
+    data = read_measurements(written(path, np.array(velocity), 1e-3))
+    (candidate,) = candidates_of(data, {"": setup}, BOTH)
+    return candidate.problem
+
+
+def test_a_fit_whose_states_follow_each_other_finds_what_long_runs_were_made_with(tmp_path: Path) -> None:
+    """Also the optimum of a search from rest, and the same bits each time."""
+    made = pressed(tmp_path / "points.csv", 0.3, 102.0)
+    (near, best), (_, again) = (followed_search(made, 1, 0) for _ in range(2))
+    assert near is not made
+    assert best.values == pytest.approx([0.3, 102.0], rel=1e-4)
+    assert best.values.tobytes() == again.values.tobytes()
+    assert best.values == pytest.approx(maximum_likelihood(made, 1, 0).values, rel=1e-5)
+
+
+def test_predictions_beside_stated_values_depend_on_no_others(tmp_path: Path) -> None:
+    """As processes that share work need: in any order they are the same bits."""
+    values = [np.array([x]) for x in (100.0, 103.0, 99.0)]
+    made = problem(written(tmp_path / "points.csv", np.ones(3)), "hertz_penalty")
+    one, other = (made.following(values[0]) for _ in range(2))
+    forwards = [one.predict(x)["rotor_velocity"] for x in values]
+    backwards = [other.predict(x)["rotor_velocity"] for x in values[::-1]][::-1]
+    assert [x.tobytes() for x in forwards] == [x.tobytes() for x in backwards]
+    for x, y in zip(values, forwards, strict=True):
+        assert y == pytest.approx(made.predict(x)["rotor_velocity"], rel=1e-6)
+
+
+def test_a_search_does_not_change_to_a_motion_that_is_not_reached_from_rest(tmp_path: Path) -> None:
+    """Beyond 3.891 um nothing touches the rotor of a motor from rest; one that turns goes on turning."""
+    path = idle(tmp_path / "points.csv")
+    path.write_text(path.read_text().replace("-1,0.3", "1.883,0.01"))
+    free = {"contact.clearance": (3.88e-6, 3.895e-6)}
+    (candidate,) = candidates_of(read_measurements(path), {"": cl.build(["law=newton"])}, free)
+    made = candidate.problem
+    turning = maximum_likelihood(made.following(), 1, 0)
+    assert np.abs(turning.residuals).max() < 1.0 < 100.0 < np.abs(made.residuals(turning.values)).max()
+    near, best = followed_search(made, 1, 0)
+    assert near is made
+    assert made.residuals(best.values) == pytest.approx(best.residuals, abs=1e-6)
+    assert best.cost > turning.cost
