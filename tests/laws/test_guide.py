@@ -34,7 +34,7 @@ def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
 def test_every_block_of_the_guide_runs_in_order(names: dict[str, Any]) -> None:
     assert len(blocks(PAGE)) >= 15
     assert sum(block.count("assert ") for _, block in blocks(PAGE)) >= 14
-    assert len(laws_of(names)) == 10
+    assert len(laws_of(names)) == 9
 
 
 @pytest.mark.parametrize(

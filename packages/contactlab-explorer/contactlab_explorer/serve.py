@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from os import cpu_count
 from secrets import token_urlsafe
+from typing import Final
 
 from nicegui import app, ui
 from starlette.middleware.trustedhost import TrustedHostMiddleware
@@ -11,6 +12,9 @@ from contactlab_explorer.guard import HOST, NAMES, TOKEN, Guard
 from contactlab_explorer.page import add_page
 from contactlab_explorer.pool import Pool
 from contactlab_explorer.state import MOST, State
+
+RECONNECTION: Final = 30.0
+"""Time for which the state of a page without connection is kept, as that of a busy machine is [s]."""
 
 
 def serve(state: State, port: int, opens: Callable[[str], object] | None) -> None:
@@ -42,4 +46,5 @@ def serve(state: State, port: int, opens: Callable[[str], object] | None) -> Non
         reload=False,
         show_welcome_message=False,
         fastapi_docs=False,
+        reconnect_timeout=RECONNECTION,
     )

@@ -181,7 +181,7 @@ def test_every_slider_moves_its_number(browser: Any, link: str, view: str) -> No
         at_end = page.locator(f'[data-key="{key}"]').first.get_attribute("aria-valuenow") == "200"
         press(page, key, "ArrowLeft" if at_end else "ArrowRight")
         page.wait_for_function(
-            "([e, v]) => e.value !== v", arg=[field.element_handle(), before], timeout=20000
+            "([e, v]) => e.value !== v", arg=[field.element_handle(), before], timeout=PATIENCE
         )
         # A motor without contact, or without an orbit, is a sentence and no end of the page.
         press(page, key, "ArrowRight" if at_end else "ArrowLeft")
