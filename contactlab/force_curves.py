@@ -100,7 +100,7 @@ class Recording:
 
     def measured(self, position: Array, force: Array) -> Array:
         """Return what is measured of a force [N] at each position of the base [m]."""
-        return self.baseline + self.tilt * (position - position[0]) + force
+        return np.asarray(self.baseline + self.tilt * (position - position[0]) + force)
 
 
 @final
@@ -149,18 +149,42 @@ class LawOnCantilever:
             raise ValueError(f"{law.name} has {row.size} numbers here; it must have {self._row.size}.")
         self._row[:] = row
         y, k = position - recording.contact_point, recording.cantilever_stiffness
+        compliance = 0.0 if k is None else 1.0 / k
         result = np.zeros(y.size)
         with self._errors():
-            limits = self._kernels[LIMITS]
+            limits, evaluate = self._kernels[LIMITS], self._kernels[FORCE]
             begins, ends = limits(0.0, self._parameters) if limits else (0.0, 0.0)
             known = np.full(y.size, BY_LAW) if state is None else state
             least = min(float(y.min()), begins)
             if least == begins and not (known == TOUCHING).any():
                 return result
-            root, base, force = self._in_contact(law, ends, 0.0 if k is None else 1.0 / k, least)
-        fold = _fold(root, base)
+
+            def force_at(root: float) -> float:
+                return float(evaluate(ends - root * root, 0.0, 0.0, 0.0, self._parameters)[0])
+
+            def beyond(root: float) -> float:
+                return float(ends - root * root - compliance * force_at(root) - least)
+
+            # Under a pull the tip lies deeper than its base.
+            far = sqrt(max(ends - least, TINY))
+            while beyond(far) > 0.0 and far * far < DEEPEST:
+                far *= 2.0
+            balanced = beyond(far) <= 0.0
+            if balanced and beyond(0.0) > 0.0:
+                far = max(brentq(beyond, 0.0, far, xtol=1e-20, rtol=1e-14), sqrt(TINY))
+            root = np.linspace(0.0, far, NODES)
+            forces = np.array([force_at(x) for x in root])
+        if not balanced:
+            raise ValueError(
+                f"No penetration up to {DEEPEST} m of {law.name} is in equilibrium with the cantilever "
+                f"{-least:.3g} m below the contact point; its cantilever_stiffness must be greater."
+            )
+        base, force = CubicSpline(root, ends - root * root - compliance * forces), CubicSpline(root, forces)
+        turns = base.derivative().roots(extrapolate=False)
+        places = np.append(0.0, turns[(turns > 0.0) & (turns < root[-1])])
+        fold = places[np.argmax(base(places))]
         off = float(base(fold))
-        touching = _touching(y, min(begins, off), off, known)
+        touching = touching_in(y, min(begins, off), off, known)
         nodes = np.append(fold, root[root > fold])
         bases = base(nodes)
         if not (np.diff(bases) < 0.0).all():
@@ -177,41 +201,8 @@ class LawOnCantilever:
         result[touching] = force(at)
         return result
 
-    def _in_contact(
-        self, law: ContactLaw, ends: float, compliance: float, least: float
-    ) -> tuple[Array, CubicSpline, CubicSpline]:
-        """Return s = sqrt(g_end - g) up to the deepest position, and y and F over it."""
 
-        def force_at(root: float) -> float:
-            return float(self._kernels[FORCE](ends - root * root, 0.0, 0.0, 0.0, self._parameters)[0])
-
-        def beyond(root: float) -> float:
-            return ends - root * root - compliance * force_at(root) - least
-
-        # Under a pull the tip lies deeper than its base.
-        far = sqrt(max(ends - least, TINY))
-        while beyond(far) > 0.0 and far * far < DEEPEST:
-            far *= 2.0
-        if not beyond(far) <= 0.0:
-            raise ValueError(
-                f"No penetration up to {DEEPEST} m of {law.name} is in equilibrium with the cantilever "
-                f"{-least:.3g} m below the contact point; its cantilever_stiffness must be greater."
-            )
-        if beyond(0.0) > 0.0:
-            far = max(brentq(beyond, 0.0, far, xtol=1e-20, rtol=1e-14), sqrt(TINY))
-        root = np.linspace(0.0, far, NODES)
-        force = np.array([force_at(x) for x in root])
-        return root, CubicSpline(root, ends - root * root - compliance * force), CubicSpline(root, force)
-
-
-def _fold(root: Array, base: CubicSpline) -> float:
-    """Return where y is largest, the end of contact."""
-    turns = base.derivative().roots(extrapolate=False)
-    places = np.append(0.0, turns[(turns > 0.0) & (turns < root[-1])])
-    return float(places[np.argmax(base(places))])
-
-
-def _touching(y: Array, on: float, off: float, known: NDArray[np.int8]) -> NDArray[np.bool_]:
+def touching_in(y: Array, on: float, off: float, known: NDArray[np.int8]) -> NDArray[np.bool_]:
     """Return in which rows the tip is in contact: as one row before between y_on and y_off, first free."""
     state = np.where(known != BY_LAW, known, np.where(y <= on, TOUCHING, np.where(y > off, FREE, BY_LAW)))
     state[0] = max(state[0], FREE)

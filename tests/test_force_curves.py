@@ -1,6 +1,7 @@
 """Claims on force curves: equilibria of a law with a cantilever, and where the tip jumps."""
 
-from typing import Any
+from dataclasses import dataclass
+from typing import Annotated, Any
 
 import numpy as np
 import pytest
@@ -107,6 +108,28 @@ def test_a_tip_that_is_never_near_is_free_and_one_that_begins_in_contact_is_not(
     assert not cl.force_curve(law, DOWN + 20e-9, cantilever_stiffness=1.0).any()
     retraction = cl.force_curve(law, DOWN[::-1], cantilever_stiffness=1.0)
     assert_allclose(retraction, cl.force_curve(law, CYCLE, cantilever_stiffness=1.0)[DOWN.size :])
+
+
+@dataclass(frozen=True)
+class Pulling(cl.PenaltyLaw):
+    """A law that pulls by more the deeper the tip is."""
+
+    name = "pulling"
+    equation = "N = -k d"
+    source = "this test"
+    default_contact_step = 1e-6
+    allows_tension = True
+    stiffness: Annotated[float, cl.Parameter("k", "N m-1", "stiffness", above=0.0)] = 2.0
+
+    @staticmethod
+    def force(depth, stiffness):
+        return -stiffness * depth, 0.0, -0.5 * stiffness * depth * depth, 0.0
+
+
+def test_a_law_that_pulls_more_than_the_cantilever_holds_has_no_equilibrium() -> None:
+    with pytest.raises(ValueError, match="cantilever_stiffness"):
+        cl.force_curve(Pulling(), DOWN, cantilever_stiffness=1.0)
+    assert_allclose(cl.force_curve(Pulling(), DOWN, cantilever_stiffness=4.0).min(), -2.4e-8, rtol=1e-6)
 
 
 @pytest.mark.parametrize(

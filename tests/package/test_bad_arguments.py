@@ -42,6 +42,10 @@ CALLS: dict[str, dict[str, Any]] = {
         "period": None, "touching": False, "duration": None, "record_interval": None, "tolerance": -1.0,
         "progress": None,
     },
+    "force_curve": {
+        "law": cl.HertzPenalty(), "position": -TIME, "contact_point": 0.0, "baseline": 0.0, "tilt": 0.0,
+        "cantilever_stiffness": -1.0,
+    },
     "hertz_stiffness": {
         "tip_radius": 1e-3, "rotor_radius": 1.0, "youngs_modulus": 2e11, "poisson_ratio": 0.3,
     },

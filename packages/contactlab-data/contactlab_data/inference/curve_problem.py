@@ -100,7 +100,7 @@ class CurveProblem(OverTime):
         try:
             law = with_values(self.base, [item for item, _ in of_law], [x for _, x in of_law])
             recording = self.recording.changed({x.name: y for x, y in numbers if x.name in CURVE})
-            force = _prepared(self).forces(law, self.position, recording, self.state)
+            force = prepared(self).forces(law, self.position, recording, self.state)
         # Values that are admitted one by one need not be so together.
         except (LawError, ValueError):
             return None
@@ -108,7 +108,7 @@ class CurveProblem(OverTime):
 
 
 @lru_cache(maxsize=16)
-def _prepared(problem: CurveProblem) -> LawOnCantilever:
+def prepared(problem: CurveProblem) -> LawOnCantilever:
     """Return the law of a problem, made ready for any numbers."""
     return LawOnCantilever(problem.base)
 

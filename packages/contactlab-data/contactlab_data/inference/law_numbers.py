@@ -116,12 +116,13 @@ def recording_in(
     Raises:
         ConfigurationError: there is no curve, a value or range is not admitted, or a number has both.
     """
-    values = {name: x for name, x in stated.items() if x}
+    values = {name: x for name, x in stated.items() if x and x != "free"}
     ranges = {name: free[name] for name in CURVE if name in free}
-    if twice := [name for name in ranges if name in values]:
+    wide = [name for name, x in stated.items() if x == "free"]
+    if twice := [name for name in ranges if name in (*values, *wide)]:
         raise ConfigurationError([f"{name} has a value and a range; it must have one." for name in twice])
     if not curves:
-        if odd := [*values, *ranges]:
+        if odd := [*values, *wide, *ranges]:
             raise ConfigurationError(f"{', '.join(odd)} is of force curves; the data have none.")
         return Recording(), ()
     z = np.concatenate([x.path["z"] for x in curves])
@@ -133,9 +134,7 @@ def recording_in(
         "baseline": (low - reach, high + reach),
         "tilt": (-reach / (span or 1.0), reach / (span or 1.0)),
     }
-    for name in [name for name, x in values.items() if x == "free"]:
-        del values[name]
-        ranges[name] = known[name]
+    ranges = {**ranges, **{name: known[name] for name in wide}}
     keys = tuple(chosen_range(name, ends, CURVE[name], name) for name, ends in ranges.items())
     try:
         return Recording().changed({**values, **{item.name: item.from_unit(0.5) for item in keys}}), keys
