@@ -10,6 +10,7 @@ from numpy.testing import assert_allclose
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from scipy.optimize import brentq, root
+from support.harmonic_balance import JenkinsOscillator
 
 import contactlab as cl
 from contactlab.simulation import setup_of
@@ -127,6 +128,14 @@ def test_a_block_on_a_jenkins_element_is_the_exact_one_from_stick_to_slip() -> N
         result_part = complex(float(each["amplitude"]) * np.exp(1j * float(each["phase"])))
         assert abs(result_part - part) < 1e-6 * abs(part)
         assert float(each["mean"]) == pytest.approx(mean, abs=1e-6 * abs(part))
+    # The harmonic balance comes to the same by another way; a single harmonic is up to 0.5 % off.
+    judge = JenkinsOscillator(mass, stiffness, damping, spring, 0.3 * load)
+    frequencies, amplitudes = data["value"].values, data["amplitude"].values
+    for harmonics, least, most in ((8, 0.0, 2e-5), (1, 3e-3, 8e-3)):
+        balanced = [abs(judge.balanced(force, f, harmonics)[0]) for f in frequencies]
+        assert least <= np.abs(balanced / amplitudes - 1.0).max() < most
+    alone = [abs(judge.single_harmonic(force, f)) for f in frequencies]
+    assert_allclose(balanced, alone, rtol=1e-5)
 
 
 @pytest.mark.parametrize("work", [5e-4, pytest.param(0.0, marks=pytest.mark.long)])
