@@ -410,6 +410,6 @@ def law_of(values: Values, friction_coefficient: float, rotor_radius: float) -> 
         reason = one_line(LawError(*error.args) if isinstance(error, LawError) else error)
         sentence = f"law={name} cannot be made from its parameters: {reason}"
         for key, section in sections.items():
-            if reason.startswith(said := f"{section['name']}: "):
-                sentence = f"{key}.{reason.removeprefix(said)}"
+            if reason.startswith(opening := f"{section['name']}: "):
+                sentence = f"{key}.{reason.removeprefix(opening)}"
         raise ConfigurationError(sentence) from error
