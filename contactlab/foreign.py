@@ -54,7 +54,8 @@ def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
         if module is None or file in met or file.suffix != ".py" or _top(module) in _LIBRARIES:
             continue
         met.add(file)
-        if _top(module) not in whole and (site := _site_of(file)):
+        site = next((folder for folder in file.parents if folder.name in _SITES), None)
+        if site and _top(module) not in whole:
             contents[site / _top(module)] = _record_of(site, _top(module))
             continue
         source = file.read_bytes()
@@ -66,11 +67,6 @@ def digest_of_sources(*owners: type | Callable[..., Any]) -> str:
             contents |= {path: path.read_bytes() for path in every if path not in contents}
     digests = sorted(sha256(content).hexdigest() for content in contents.values())
     return sha256("".join(digests).encode()).hexdigest() if digests else ""
-
-
-def _site_of(file: Path) -> Path | None:
-    """Return the folder of installed distributions that a file is in."""
-    return next((folder for folder in file.parents if folder.name in _SITES), None)
 
 
 @cache

@@ -627,3 +627,16 @@ def test_a_load_point_that_rests_changes_nothing_of_rate_independent_friction(
 def test_a_frame_of_another_kind_is_refused(law: cl.ContactLaw, frame: dict[str, float], key: str) -> None:
     with pytest.raises(ValueError, match=key):
         cl.drive(law, TIME, **{"gap": -1e-6, **frame})
+
+
+@pytest.mark.parametrize("load", [1e-3, 1.0, 33.0, 1e3])
+def test_a_constant_load_has_the_depth_of_hertz_and_rings_that_fit_its_patch(load: float) -> None:
+    """On a path d = (N/K)^(2/3), and n r = dN/dd = 1.5 N/d all along: no ring is outgrown."""
+    friction = cl.Microslip(0.3, rings=10, first_ring=1.0)
+    law, time = cl.Composed(cl.HertzPoint(1e10), friction=friction), np.linspace(0.0, 1.0, 41)
+    slip, records = 1e-8 * np.sin(2.0 * np.pi * time), np.array([0.0, 0.5, 1.0])
+    loop = LawOnPath(law, time, normal=load, slip=slip, records=records)
+    loop.run(law)
+    depth = (load / 1e10) ** (2.0 / 3.0)
+    assert -loop.path.series["gap"] == pytest.approx(depth, rel=1e-12)
+    assert 10.0 * loop.path.traces[:, -1] == pytest.approx(1.5 * load / depth, rel=1e-6)

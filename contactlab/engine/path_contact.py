@@ -119,16 +119,17 @@ def _depth_under(path: Path, law: Law, load: float) -> float:
         if not least < depth < most:
             # Between ends that may differ by powers of ten.
             depth = np.sqrt(least * most)
-        missed = law.force(-depth, 0.0, 0.0, 0.0, law.parameters)[0] - load
-        nudged = depth * (1.0 + NUDGE)
-        slope = (law.force(-nudged, 0.0, 0.0, 0.0, law.parameters)[0] - load - missed) / (nudged - depth)
+        normal = law.force(-depth, 0.0, 0.0, 0.0, law.parameters)[0]
+        missed, nudged = normal - load, depth * (1.0 + NUDGE)
+        # Of the forces themselves: a load that is much larger would leave no digit of their difference.
+        slope = (law.force(-nudged, 0.0, 0.0, 0.0, law.parameters)[0] - normal) / (nudged - depth)
         if missed > 0.0:
             most = depth
         else:
             least = depth
         change = missed / slope if slope > 0.0 else np.inf
         depth -= change
-        if abs(change) <= 1e-14 * abs(depth) or most - least <= 1e-15 * most:
+        if abs(change) <= 1e-14 * abs(depth) < np.inf or most - least <= 1e-15 * most:
             break
     reached = law.force(-depth, 0.0, 0.0, 0.0, law.parameters)[0]
     return depth if abs(reached - load) <= 1e-9 * load else np.nan

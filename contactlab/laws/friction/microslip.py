@@ -14,6 +14,9 @@ RINGS = Parameter("n", "1", "rings of the patch", at_least=2, at_most=100)
 KNEE = 0.005
 """Stretch over which a ring begins to slide, over the slip at which a patch of n full rings slides."""
 
+SPARE = 1e-9
+"""Part by which the rings of a contact at rest exceed its patch: round-off must not outgrow them."""
+
 DOUBLE = 0
 """Guard: the patch has outgrown the rings."""
 
@@ -157,7 +160,8 @@ class Microslip(Friction):
         n = int(rings)
         if event == AT_TOUCH and which == n:
             # A stiffness that rises from there on, as that of a line, hangs on the last digits of the gap.
-            return max(ring, normal_stiffness / n) if normal_stiffness_rate == 0.0 else ring
+            at_rest = normal_stiffness_rate == 0.0
+            return max(ring, (1.0 + SPARE) * normal_stiffness / n) if at_rest else ring
         if event != DOUBLE:
             return z[which]
         if which == n:

@@ -80,7 +80,7 @@ class ForceTable(NormalForce):
         super().__post_init__()
         if self.file is None and self.digest is not None:
             raise ValueError(f"{self.name}: digest is '{self.digest}'; it must be None without a file.")
-        content = None if self.file is None else self._read(self.file)
+        content = None if self.file is None else self.content()
         # Beside the fields, so that it goes along to other processes.
         object.__setattr__(self, "_content", content)
         try:
@@ -88,21 +88,21 @@ class ForceTable(NormalForce):
         except MeasurementError as error:
             raise ValueError(f"{self.name}: file is '{self.file}': {error}") from None
 
-    def _read(self, file: str) -> bytes:
+    def content(self) -> bytes:
         """Return the content of the file, or of its digest where that is known, and complete the digest."""
         if (known := kept(self.digest)) is not None:
             return known
         try:
-            content = Path(file).read_bytes()
+            content = Path(str(self.file)).read_bytes()
         except (OSError, ValueError) as error:
             reason = getattr(error, "strerror", None) or error
             raise ValueError(
-                f"{self.name}: file is '{file}', which cannot be read ({reason}); it must be a file."
+                f"{self.name}: file is '{self.file}', which cannot be read ({reason}); it must be a file."
             ) from None
         digest = keep(content)
         if self.digest not in (None, digest):
             raise ValueError(
-                f"{self.name}: digest is '{self.digest}'; it must be '{digest}', that of '{file}', or None."
+                f"{self.name}: digest is '{self.digest}'; it must be '{digest}', that of its file, or None."
             )
         object.__setattr__(self, "digest", digest)
         return content
