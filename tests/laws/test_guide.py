@@ -1,5 +1,6 @@
 """docs/writing_laws.md is right: every block runs, and every law of it keeps its contract."""
 
+from contextlib import chdir
 from typing import Any
 
 import pytest
@@ -14,9 +15,10 @@ QUICK = ("declares_its_parameters", "kernel_is_consistent", "declares_what_it_br
 
 
 @pytest.fixture(scope="module")
-def names() -> dict[str, Any]:
-    """What stands in the namespace of the page at its end."""
-    return names_of(PAGE)
+def names(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    """What stands in the namespace of the page at its end, which may write files."""
+    with chdir(tmp_path_factory.mktemp("guide")):
+        return names_of(PAGE)
 
 
 def laws_of(names: dict[str, Any]) -> dict[str, ContactLaw]:
