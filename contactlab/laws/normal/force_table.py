@@ -83,10 +83,12 @@ class ForceTable(NormalForce):
         content = None if self.file is None else self.content()
         # Beside the fields, so that it goes along to other processes.
         object.__setattr__(self, "_content", content)
-        try:
-            pieces_of(content, self.spline)
-        except MeasurementError as error:
-            raise ValueError(f"{self.name}: file is '{self.file}': {error}") from None
+        # Listings need no spline of the table without a file.
+        if content is not None:
+            try:
+                pieces_of(content, self.spline)
+            except MeasurementError as error:
+                raise ValueError(f"{self.name}: file is '{self.file}': {error}") from None
 
     def content(self) -> bytes:
         """Return the content of the file, or of its digest where that is known, and complete the digest."""
