@@ -53,6 +53,8 @@ def covering(kind: str) -> Number:
     """Return the share of 90 % intervals that hold the truth, with its binomial interval of 95 %."""
     own = results("accuracy")[f"intervals of {kind}"]
     count = own["sets"] * len(own["covered"])
+    if count == 0:
+        return NONE
     return Number.of(sum(own["covered"].values()) / count, 1.96 * sqrt(0.09 / count))
 
 
