@@ -141,7 +141,8 @@ def explain_shades(axes: Axes, height: float) -> None:
 def _draw_title(figure: Figure, run: Recording) -> None:
     """Draw one factual line over the picture."""
     attributes, count = run.attributes, run.contacts["start_time"].size
-    time, velocity = float(np.ptp(run.time)), float(run.series["rotor_velocity"][-1])
+    # Plus nothing: a rotor at rest has no sign.
+    time, velocity = float(np.ptp(run.time)), float(run.series["rotor_velocity"][-1]) + 0.0
     contacts = "1 contact" if count == 1 else f"{count or 'no'} contacts"
     speed = f"{velocity:.4g}".replace("-", "\u2212")
     text = f"{run.law}: {contacts} in {prefixed(time, 's')}, "
