@@ -38,7 +38,7 @@ _READABLE: Final = {
     r"[~\w.]*_Buffer \| .*?_NestedSequence\[complex \| bytes \| str\]": "ArrayLike",
     r"<class '(\w+)'>": r"\1",
     # Of a declared number its range stands in the docstring.
-    r"~?(?:typing\.)?Annotated\[(\w+(?: \| None)?), .*?\)\]": r"\1",
+    r"~?(?:typing\.|types\.)?Annotated\[(\w+(?: \| None)?), .*?\)\]": r"\1",
 }
 """What annotations are expanded to, and how the code writes them."""
 _LONG: Final = re.compile(r"=( ?)(\d{5,}\.\d+|\d\.\d{6,}e[-+]\d+)")
