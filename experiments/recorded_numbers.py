@@ -50,12 +50,9 @@ def value(key: str, file: str = "motor") -> Any:
 
 
 def covering(kind: str) -> Number:
-    """Return the share of 90 % intervals that hold the truth, with its binomial interval of 95 %."""
+    """Return the share of 90 % intervals that hold the truth."""
     own = results("accuracy")[f"intervals of {kind}"]
-    count = own["sets"] * len(own["covered"])
-    if count == 0:
-        return NONE
-    return Number.of(sum(own["covered"].values()) / count, 1.96 * sqrt(0.09 / count))
+    return share(sum(own["covered"].values()), own["sets"] * len(own["covered"]))
 
 
 def with_error(stored: Any, error: float | None = None) -> Any:

@@ -131,6 +131,19 @@ def made(start: str, *cases: tuple[Edits, bool | None]) -> None:
     MADE.update({f"{start}: {n}": (start, edits, known) for n, (edits, known) in enumerate(cases)})
 
 
+def of_intervals(share: float, sets: int = 10_000) -> Edits:
+    """Return how many of so many intervals of each number hold the truth."""
+    where = [f"accuracy|intervals of {kind}" for kind in ("loop", "impacts")]
+    return {f"{x}|sets": sets for x in where} | {f"{x}|covered|*": round(share * sets) for x in where}
+
+
+made(
+    "Of forces on a path",
+    (of_intervals(0.9), True),
+    (of_intervals(0.8), False),
+    (of_intervals(0.95), False),
+    (of_intervals(0.9, 20), None),
+)
 ORDERED = of_speeds(f"{PHASE}|0.0", 1e-8, stick=-0.5, newton=-0.5, hertz=-0.9)
 made(
     "On the converged beam, at this phase",
