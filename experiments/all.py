@@ -46,6 +46,7 @@ BEYOND = (
     "steady_states",
     "published_motor",
     "law_contrasts",
+    "law_practice",
 )
 """Experiments beyond it."""
 

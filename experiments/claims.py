@@ -2,7 +2,7 @@
 
 A claim has a population, a predicate and what the page says if it holds, if it does not, and if that is open.
 A predicate is an expression over the files of results with the names of recorded_numbers.py,
-recorded_contrasts.py and verdicts.py.
+recorded_contrasts.py, recorded_practice.py and verdicts.py.
 It is true, false, or None where the uncertainty of the numbers leaves it open. `{expression:format}` in a
 sentence is a number. What was measured or follows in closed form, and claims nothing, is stated without a
 predicate. `results_pages.py` writes the sentence that holds on its page.
@@ -15,6 +15,7 @@ from typing import Any, Final
 
 import recorded_contrasts
 import recorded_numbers
+import recorded_practice
 import verdicts
 import yaml
 from dependencies import ROOT
@@ -48,7 +49,8 @@ PAGES: Final = tuple(
 
 def evaluated(expression: str) -> Any:
     """Return the value of an expression over the recorded numbers and verdicts."""
-    return eval(expression, vars(verdicts) | vars(recorded_numbers) | vars(recorded_contrasts))
+    modules = verdicts, recorded_numbers, recorded_contrasts, recorded_practice
+    return eval(expression, {name: each for module in modules for name, each in vars(module).items()})
 
 
 @dataclass(frozen=True)

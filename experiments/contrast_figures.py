@@ -127,26 +127,9 @@ def explained(numbers: Numbers) -> Figure:
     return figure
 
 
-def practice(numbers: Numbers) -> Figure:
-    """Draw how far each law, fitted at two operating points, misses the speed at a third."""
-    own = numbers["error"]
-    figure, axes = plt.subplots(figsize=(WIDTH, 0.27 * len(own) + 0.7), layout="constrained")
-    for row, values in enumerate(own.values()):
-        cloud(axes, array(values), row, LAW)
-    rows(axes, own)
-    axes.set_xscale("log")
-    motors = max(map(len, own.values()))
-    if not motors:
-        text = "no law is fitted yet: it follows when all motors have run"
-        axes.text(0.5, 0.5, text, ha="center", va="center", transform=axes.transAxes)
-    axes.set_xlabel(f"|ln of predicted over true speed| in each of {motors} motors (1)")
-    return figure
-
-
 FIGURES: Final[dict[str, Callable[[Numbers], Figure]]] = {
     "": sizes,
     "_knowledge": knowledge,
     "_map": explained,
-    "_practice": practice,
 }
 """Figures by what follows the name of the experiment in their files."""

@@ -22,9 +22,6 @@ in.
 A motor that never leaves its rotor has no contrast with `johnson`, whose restitution comes to one as the
 speed falls: a pressed rotor bounces under it without end.
 
-**Practice.** A law whose friction coefficient and restitution are fitted to the speeds at two voltages under
-`TRUTH` predicts the third: |ln| of its ratio to the truth, by law, of the first `PRACTISED` motors.
-
 **Map.** ln |c| of speed and of torque by an additive spline of the groups (`contrast_map`), fitted on the
 first `FITTED` motors and judged on the others, at which nobody has looked before: R^2 and coverage of its
 90 % intervals. A contrast is predicted where the lower end of its R^2 lies above `BAR`.
@@ -48,29 +45,18 @@ from contrast_map import BAR, Judged, mapped
 from experiment import Experiment, main, part_of
 from matplotlib.figure import Figure
 from motor_population import ABSOLUTE, GROUPS, KNOWN, LAWS, begun, drawn, groups_of, law_of, motor_of
-from scipy.optimize import least_squares
 
 import contactlab as cl
 from contactlab.arrays import Array
 from contactlab.estimate import Estimate
 from contactlab.steady_state import BrokenOffError, NotSettledError, Steady, steady
 from contactlab.steady_state.means import LONGEST, motion_of
-from contactlab.studies.characterise.transients import start_time
+from contactlab.steady_state.search import steady_setup
 from contactlab.studies.study import Part, Setups, Task, option
+from contactlab_data.inference.known_orbits import KnownOrbits
 
-MOTORS, FITTED, LOOK, PRACTISED = 256, 192, 64, 64
-"""Motors in all, those on which the map is fitted, those at the look, and those whose start is timed and to
-which laws are fitted."""
-
-TRUTH: Final = "flores, mindlin"
-"""The law that stands for the motor to which others are fitted: the one with most in it."""
-
-FREE: Final = {"friction coefficient": (0.02, 1.5), "restitution": (0.02, 0.98)}
-"""Numbers that are fitted to a motor, with their bounds."""
-
-FIT_STEP, MOST_EVALUATIONS, MISSED = 0.01, 8, 3.0
-"""Relative step of the finite differences of a fit, its most evaluations, and the residual of a motor that
-has no steady state."""
+MOTORS, FITTED, LOOK = 256, 192, 64
+"""Motors in all, those on which the map is fitted, and those at the look."""
 
 SLOWEST: Final = 1e-3
 """Least speed of a motor's own impacts [m/s]: one that never leaves its rotor has none."""
@@ -187,36 +173,40 @@ def secants(motor: Mapping[str, Any], speed: float) -> Array:
     return np.array([0.5 * (above - below) for above, below in ends])
 
 
-def log_speeds(name: str, motor: Mapping[str, Any], speed: float, points: Sequence[float]) -> Array:
-    """Return ln |speed| of a motor under a law at operating points, NaN where it has no steady state."""
-    values = []
-    for scale in points:
-        made = motor_of(motor, scale)
-        state = settle(made, law_at(name, motor, made, speed))[1]
-        values.append(np.log(abs(state.velocity.value)) if state else np.nan)
-    return np.array(values)
+def log_speeds(
+    name: str,
+    motor: Mapping[str, Any],
+    speed: float,
+    points: Sequence[float],
+    known: KnownOrbits | None = None,
+    values: Array | None = None,
+) -> Array:
+    """Return ln |speed| of a motor under a law at operating points, NaN where it has no steady state.
 
+    Args:
+        name: of the law.
+        motor: its numbers.
+        speed: of its own impacts [m/s].
+        points: factors of the voltages.
+        known: orbits that are followed; None for motors from rest.
+        values: by which the nearest known orbit is found.
 
-def prediction_errors(motor: Mapping[str, Any], speed: float) -> Array:
-    """Return |ln| of predicted over true speed where no law was fitted, shape (law,)."""
-    truth = log_speeds(TRUTH, motor, speed, POINTS)
-    errors = []
-    for name in LAWS:
-
-        def residual(values: Array, name: str = name) -> Array:
-            changed = {**motor, **dict(zip(FREE, values.tolist(), strict=True))}
-            return np.nan_to_num(log_speeds(name, changed, speed, POINTS[1:]) - truth[1:], nan=MISSED)
-
+    Raises:
+        ValueError: the motor cannot have the law.
+    """
+    # No law depends on the voltages.
+    law, logarithms = law_at(name, motor, motor_of(motor), speed), []
+    for number, scale in enumerate(points):
+        setup = steady_setup(begun(motor_of(motor, scale), law), law)
         try:
-            start = [np.clip(motor[key], *bounds) for key, bounds in FREE.items()]
-            bounds = np.transpose([*FREE.values()])
-            fit = least_squares(residual, start, bounds=bounds, diff_step=FIT_STEP, max_nfev=MOST_EVALUATIONS)
-            changed = {**motor, **dict(zip(FREE, fit.x.tolist(), strict=True))}
-            errors.append(abs(log_speeds(name, changed, speed, POINTS[:1])[0] - truth[0]))
-        # A law may have no such restitution.
-        except ValueError:
-            errors.append(np.nan)
-    return np.array(errors)
+            if known is None or values is None:
+                state = steady(setup, longest=LONGEST)
+            else:
+                state = known.steady(number, values, setup, longest=LONGEST)
+            logarithms.append(np.log(abs(state.velocity.value)))
+        except (BrokenOffError, NotSettledError):
+            logarithms.append(np.nan)
+    return np.array(logarithms)
 
 
 def begin(number: int) -> tuple[dict[str, Any], cl.Motor, float]:
@@ -261,24 +251,6 @@ def computed(number: int) -> Part:
         "outcome": ("state", outcomes),
         "group_value": ("group", groups_of(motor, made, laws["flores"], speed)),
         "secant": (("input", "point"), secants(motor, speed)),
-    }
-    return part_of(xarray.Dataset(data))
-
-
-def practised(number: int) -> Part:
-    """Return the times in which a motor starts, by law, and the errors of laws that are fitted to it."""
-    motor, made, speed = begin(number)
-    starts = []
-    for name in LAWS:
-        try:
-            state = settle(made, law_at(name, motor, made, speed))[1]
-        except ValueError:
-            state = None
-        starts.append(start_time(state.setup, state.velocity.value) if state else Estimate(np.nan, np.nan))
-    data = {
-        "start_time": ("law", [start.value for start in starts]),
-        "start_time_error": ("law", [start.error for start in starts]),
-        "prediction_error": ("law", prediction_errors(motor, speed)),
     }
     return part_of(xarray.Dataset(data))
 
@@ -365,14 +337,6 @@ def recorded(value: float) -> float | str | None:
     return float(f"{value:.{DIGITS}g}") if isfinite(value) else TURNED if value == inf else None
 
 
-def errors_of(data: xarray.Dataset) -> list[list[float]]:
-    """Return the errors of fitted laws, shape (law, motor), in the motors to which every law was fitted."""
-    if "prediction_error" not in data:
-        return [[] for _ in LAWS]
-    fitted = data["prediction_error"].dropna("motor").transpose("law", "motor")
-    return [*map(list, fitted.values.tolist())]
-
-
 @dataclass(frozen=True, kw_only=True)
 class LawContrasts(Experiment):
     """In which motors does which difference of laws change what the motor does?"""
@@ -382,29 +346,16 @@ class LawContrasts(Experiment):
     motors: Annotated[int, option("motors, the first ones of the population", at_least=2)] = MOTORS
 
     def tasks(self, setups: Setups) -> Iterator[Task]:
-        """Yield the tasks of all motors before those of the first ones that take longer."""
+        """Yield a task a motor."""
         del setups
         for number in BRIEF if self.short else range(self.motors):
             yield Task(f"{number:04d}", computed, (number,))
-        for number in () if self.short else range(min(PRACTISED, self.motors)):
-            yield Task(f"{number:04d}, practised", practised, (number,))
 
     def join(self, setup: cl.Setup, parts: Sequence[xarray.Dataset]) -> xarray.Dataset:
         """Return everything by motor, with contrasts and half-widths."""
         del setup
-        every, first = ([part for part in parts if name in part] for name in ("value", "start_time"))
-        data = xarray.concat(every, "motor")
-        if first:
-            practice = xarray.concat(first, "motor")
-            rest = (0, data.sizes["motor"] - len(first))
-            data = data.merge(practice.pad(motor=rest, constant_values=np.nan))
-        data = data.assign_coords(
-            state=[*STATES],
-            quantity=[*QUANTITIES],
-            group=[*GROUPS],
-            input=[*KNOWN],
-            point=[*POINTS],
-            **({"law": [*LAWS]} if first else {}),
+        data = xarray.concat(parts, "motor").assign_coords(
+            state=[*STATES], quantity=[*QUANTITIES], group=[*GROUPS], input=[*KNOWN], point=[*POINTS]
         )
         pairs = [[STATES.index(name) for name in pair] for pair in CONTRASTS.values()]
         value, error = (data[x].transpose("state", "motor", "quantity").values for x in ("value", "error"))
@@ -438,7 +389,7 @@ class LawContrasts(Experiment):
         return rows
 
     def numbers(self, data: xarray.DataTree) -> dict[str, Any]:
-        """Return what pages and figures have: outcomes, and by motor contrasts, half-widths and errors."""
+        """Return what pages and figures have: outcomes, and by motor contrasts and half-widths."""
         own = data.to_dataset()
         sizes = np.abs(own["contrast_size"])
         width = own["half_width"].transpose("level", "motor")
@@ -461,7 +412,6 @@ class LawContrasts(Experiment):
                 str(level): [*map(recorded, row.values.tolist())]
                 for level, row in zip(own["level"].values, width, strict=True)
             },
-            "error": {law: [*map(recorded, row)] for law, row in zip(LAWS, errors_of(own), strict=True)},
             "map": {
                 quantity: {name: each._asdict() for (of, name), each in judged.items() if of == quantity}
                 for quantity in QUANTITIES[:2]
@@ -473,7 +423,7 @@ class LawContrasts(Experiment):
         return contrast_figures.sizes(self.numbers(xarray.DataTree(data)))
 
     def figures(self, data: xarray.DataTree) -> dict[str, Figure]:
-        """Return the sizes, and the figures of what is known, of the map and of the practitioner."""
+        """Return the sizes, and the figures of what is known and of the map."""
         figures = {
             f"{self.name}{suffix}": draw(self.numbers(data))
             for suffix, draw in contrast_figures.FIGURES.items()

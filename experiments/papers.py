@@ -16,16 +16,14 @@ import matplotlib.pyplot as plt
 from claims import PAPERS
 from contrast_figures import FIGURES
 from dependencies import ROOT
+from law_practice import missed
 from recorded_numbers import results
 from results_pages import Page
 
 from contactlab.studies.report import styled
 
-NEEDED: Final = {
-    "law_contrasts": "python experiments/remake.py law_contrasts --law_contrasts FOLDER, from a run of "
-    "experiments/law_contrasts.py"
-}
-"""Sections of the experiments from which figures are drawn, and what makes them."""
+NEEDED: Final = ("law_contrasts", "law_practice")
+"""Sections of the experiments from which figures are drawn."""
 
 LAWS: Final = "paper/laws"
 
@@ -35,8 +33,9 @@ BLANK: Final = re.compile(r"\[BLANK \d+")
 def main() -> int:
     """Write the papers and return the exit status."""
     faults = [
-        f"docs/results/experiments.json has no section {name}, which {LAWS} needs: {made}."
-        for name, made in NEEDED.items()
+        f"docs/results/experiments.json has no section {name}, which {LAWS} needs: "
+        f"python experiments/remake.py {name} --{name} FOLDER, from a run of experiments/{name}.py."
+        for name in NEEDED
         if name not in results("experiments")
     ]
     pages = [] if faults else [Page(name) for name in PAPERS]
@@ -49,10 +48,12 @@ def main() -> int:
     for page in pages:
         (ROOT / page.name).write_text(page.text, encoding="utf-8")
         print(f"{page.name}: {len(BLANK.findall(page.text))} blanks for its authors")
-    numbers = results("experiments")["law_contrasts"]["numbers"]
-    for suffix, draw in FIGURES.items():
+    for section, suffix, draw in (
+        *(("law_contrasts", suffix, draw) for suffix, draw in FIGURES.items()),
+        ("law_practice", "_practice", missed),
+    ):
         with styled():
-            figure = draw(numbers)
+            figure = draw(results("experiments")[section]["numbers"])
             # The same numbers are the same bytes.
             figure.savefig(ROOT / LAWS / f"contrasts{suffix}.pdf", metadata={"CreationDate": None})
         plt.close(figure)

@@ -15,9 +15,6 @@ LONG: Final = "law_contrasts"
 
 SPEED: Final = "rotor_velocity"
 
-MARGIN: Final = 0.05
-"""Error of a prediction of the speed that is small, as by default a difference of two laws is."""
-
 CONCLUSIONS: Final = {
     "catalogue": ("from a catalogue", "a design needs the law"),
     "bench": ("on a bench", "a motor of measured parts needs the law"),
@@ -184,31 +181,3 @@ def predictable() -> int:
 def unseen() -> int:
     """Return the most motors on which the map of a contrast is judged."""
     return int(max(own["motors"] for own in maps()))
-
-
-def near(law: str) -> Number:
-    """Return the share of motors of which a law, fitted at two points, predicts the third within `MARGIN`."""
-    errors = array(of_run("error")[law])
-    return share(int((errors < np.log1p(MARGIN)).sum()), errors.size) if errors.size else NONE
-
-
-def errors_of(law: str) -> tuple[float, float, float]:
-    """Return quartiles and median of the error of the prediction, in their order; NaN before a fit."""
-    errors = np.expm1(array(of_run("error")[law]))
-    low, half, high = np.quantile(errors, (0.25, 0.5, 0.75)) if errors.size else (np.nan,) * 3
-    return float(low), float(half), float(high)
-
-
-def fitting() -> list[str]:
-    """Return the laws that are fitted to motors."""
-    return [*of_run("error")]
-
-
-def fitted() -> int:
-    """Return the motors to which every law was fitted."""
-    return max(len(of_run("error")[law]) for law in fitting())
-
-
-def worst() -> str:
-    """Return the law that predicts the fewest motors."""
-    return min(fitting(), key=lambda law: np.nan_to_num(near(law).value, nan=2.0))

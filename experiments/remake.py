@@ -1,12 +1,13 @@
 """Make the results that pages state, docs/results/*.json, and the pages with them.
 
     python experiments/remake.py [SECTION ...] [--spheres FILE] [--ellipses FILE] [--joint_friction FOLDER]
-        [--velocity_steps FILE] [--law_contrasts FOLDER] [--all] [--short]
+        [--velocity_steps FILE] [--law_contrasts FOLDER] [--law_practice FOLDER] [--all] [--short]
 
 Sections that are not of the present code are made, each in a process of its own, as many at once as there
 are processors; each is written when it is made, so that an interrupted command goes on. A section that fails
 is named and leaves the others alone. Those of measurements need their file, the ellipses that of their
-authors, and `law_contrasts` the folder of its run, whole or under way, one motor of which is computed again.
+authors, and `law_contrasts` and `law_practice` the folder of their run, whole or under way, one motor of
+which is computed again.
 `--all` makes those of the present code too. `--short` makes short forms instead: where a short form reaches
 all that has changed in the code and has the digits that it had, the section is noted as checked. Exit status
 1 if one is left as it was, or has other digits.
@@ -44,7 +45,7 @@ from results_store import (
     write,
 )
 
-NEEDS: Final = ("spheres", "ellipses", "joint_friction", "velocity_steps", "law_contrasts")
+NEEDS: Final = ("spheres", "ellipses", "joint_friction", "velocity_steps", "law_contrasts", "law_practice")
 """Sections that need a file or folder of measurements, or of a run, by the option of this name."""
 
 

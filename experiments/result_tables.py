@@ -6,6 +6,7 @@ from typing import Any, Final
 
 import motor_findings
 import recorded_contrasts
+import recorded_practice
 from contrast_map import Judged
 from friction_loop import FRAME
 from law_contrasts import map_sentence
@@ -295,20 +296,24 @@ def decided() -> str:
 
 
 def practice() -> str:
-    """Return how well laws, fitted at two operating points, predict the third, or that none is fitted yet."""
-    if not recorded_contrasts.fitted():
-        return "No law is fitted yet: the run has come to all motors, and not to this."
+    """Return how well laws, fitted at two operating points, predict the third, and the times of starts."""
 
     def row(law: str) -> Iterator[str]:
-        own = recorded_contrasts.near(law)
-        low, middle, high = recorded_contrasts.errors_of(law)
+        own = recorded_practice.near(law)
         yield f"`{law}`"
-        yield f"{100 * middle:.2g} ({100 * low:.2g} to {100 * high:.2g})"
+        for scale, of in ((100.0, recorded_practice.errors_of), (1.0, recorded_practice.starts_of)):
+            low, middle, high = (scale * x for x in of(law))
+            yield f"{middle:.2g} ({low:.2g} to {high:.2g})"
         yield f"{100 * own.value:.0f} ({100 * own.low:.0f} to {100 * own.high:.0f})"
 
-    margin = 100 * recorded_contrasts.MARGIN
-    head = ("law", "median error (quartiles) (%)", f"motors within {margin:.0f} % (%)")
-    return markdown(head, map(row, recorded_contrasts.fitting()))
+    margin = 100 * recorded_practice.MARGIN
+    head = (
+        "law",
+        "median error (quartiles) (%)",
+        "start over the truth's (quartiles)",
+        f"motors within {margin:.0f} % (%)",
+    )
+    return markdown(head, map(row, recorded_practice.fitting()))
 
 
 def sentence_of_map() -> str:

@@ -13,7 +13,7 @@ from contactlab.studies.study import Result, finish, run
 
 PICTURES: Final = {
     **{name: "docs/paper" for name in PAPER if name.startswith("fig")},
-    **dict.fromkeys(("published_motor", "law_contrasts"), "docs/measurements"),
+    **dict.fromkeys(("published_motor", "law_contrasts", "law_practice"), "docs/measurements"),
 }
 """Folders of the experiments' pictures that pages show."""
 
@@ -50,23 +50,23 @@ def of_accuracy(name: str) -> Section:
     return Section(lambda *_: make(), lambda *_: short())
 
 
-LONG: Final = "law_contrasts"
-"""Experiment of many hours, whose section is made from the folder of its run."""
+LONG: Final = ("law_contrasts", "law_practice")
+"""Experiments of many hours, whose sections are made from the folders of their runs."""
 
 
-def of_run(folder: Path) -> Result:
-    """Return the result of the experiment `LONG` from the folder of its run."""
-    class_of(LONG)
-    from contrast_run import result_of
+def of_run(name: str, folder: Path) -> Result:
+    """Return the result of an experiment of `LONG` from the folder of its run."""
+    class_of(name)
+    from contrast_run import RUNS, result_of
 
-    return result_of(folder, setup_of(LONG))
+    return result_of(folder, RUNS[name], setup_of(name))
 
 
 def of_experiment(name: str) -> Section:
     """Return the section of an experiment."""
 
     def make(source: Path, folder: Path) -> dict[str, Any]:
-        result = of_run(source) if name == LONG else run(class_of(name)(), {"": setup_of(name)})
+        result = of_run(name, source) if name in LONG else run(class_of(name)(), {"": setup_of(name)})
         numbers = numbers_of(result)
         # What draws decides no number.
         Recorder.stop()

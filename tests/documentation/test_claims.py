@@ -94,7 +94,8 @@ def alike(share: float, motors: int) -> dict[str, int]:
 POPULATIONS, WORLDS = "motor|populations|*", "motor|known worlds|*|*"
 ELLIPSES, GEOMETRY = "measurements|ellipses", "measurements|ellipses|geometry|*"
 SPHERES = "measurements|spheres|laws"
-CONTRASTS, PUBLISHED = "experiments|law_contrasts", "experiments|published_motor|rows"
+CONTRASTS, PRACTICE = "experiments|law_contrasts", "experiments|law_practice"
+PUBLISHED = "experiments|published_motor|rows"
 TABLE1, FIG9 = "experiments|table1_placement|rows", "experiments|fig9_normal_force|rows"
 SLIP, NINE = f"{ELLIPSES}|over slip", range(9)
 
@@ -589,7 +590,7 @@ made(
 def fitted(count: int) -> Edits:
     """Return errors of 100 predictions, so many of which are less than 5 %."""
     errors = [0.048] * count + [0.049] * (100 - count)
-    return {f"{CONTRASTS}|numbers|error": {"newton": [0.0] * 100, "poisson": errors}}
+    return {f"{PRACTICE}|numbers|error": {"newton": [0.0] * 100, "poisson": errors}}
 
 
 made(
@@ -597,7 +598,7 @@ made(
     (fitted(61), True),
     (fitted(39), False),
     (fitted(58), None),
-    ({f"{CONTRASTS}|numbers|error": {"newton": [], "poisson": []}}, None),
+    ({f"{PRACTICE}|numbers|error": {"newton": [], "poisson": []}}, None),
 )
 
 

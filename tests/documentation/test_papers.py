@@ -14,8 +14,9 @@ import results_store
 from claims import PAPERS
 from contrast_figures import SPEED
 from law_contrasts import LawContrasts
+from law_practice import LawPractice
 from results_pages import Page
-from support.made_contrasts import data_of
+from support.made_contrasts import data_of, practice_of
 from xarray import DataTree
 
 LAWS = "paper/laws/laws.md"
@@ -26,18 +27,21 @@ ROOT = results_pages.ROOT
 def world(monkeypatch: pytest.MonkeyPatch) -> Callable[..., dict[str, Any]]:
     """Return a function that puts made-up motors, or no section, into the store."""
     recorded_numbers.results.cache_clear()
-    study, data = LawContrasts(), data_of(40)
-    rows = [{name: x for name, x in row.items() if x == x} for row in study.rows(data)]
-    made = {"finding": "", "holds": 1, "rows": rows, "numbers": study.numbers(DataTree(data))}
+    made = {}
+    for study, data in ((LawContrasts(), data_of(40)), (LawPractice(), practice_of(40))):
+        rows = [{name: x for name, x in row.items() if x == x} for row in study.rows(data)]
+        numbers = study.numbers(DataTree(data))
+        made[study.name] = {"finding": "", "holds": 1, "rows": rows, "numbers": numbers}
 
     def put(change: Callable[[dict[str, Any]], None] | None = None, there: bool = True) -> None:
         own = json.loads(results_store.text_of(deepcopy(made)))
         if change:
-            change(own)
+            change(own["law_contrasts"])
         content = results_store.read("experiments")
-        content["sections"].pop("law_contrasts", None)
-        if there:
-            content["sections"]["law_contrasts"] = results_store.sealed({"results": own})
+        for name, results in own.items():
+            content["sections"].pop(name, None)
+            if there:
+                content["sections"][name] = results_store.sealed({"results": results})
 
         def read(name: str) -> dict[str, Any]:
             return content if name == "experiments" else results_store.read(name)
@@ -100,7 +104,8 @@ def test_nothing_is_written_where_a_section_is_missing(
     world(there=False)
     before = {name: (ROOT / name).read_bytes() for name in PAPERS}
     assert papers.main() == 1
-    assert "law_contrasts" in capsys.readouterr().err
+    told = capsys.readouterr().err
+    assert all(name in told for name in papers.NEEDED)
     assert before == {name: (ROOT / name).read_bytes() for name in PAPERS}
 
 

@@ -85,6 +85,8 @@ NUMBERS: dict[str, tuple[Number, float, float]] = {
         0.0,
         1e-4,
     ),
+    # The law of the motor itself, whose numbers are the drawn ones, predicts it.
+    "law_practice": (lambda d: float(d.prediction_error[:, 1].max()), 0.0, 1e-6),
     # The configured motor's stall torque [N m], as a run of its own on a belt at rest has it.
     "optimise_motor": (lambda d: float(d.stall_torque.sel(motor=-1)), 5.2094e-3, 1e-6),
 }

@@ -15,6 +15,7 @@ from contactlab.arrays import Array
 from contactlab.config import Setup
 from contactlab.steady_state import steady
 from contactlab.steady_state.arrival import followed, is_followed
+from contactlab.steady_state.search import LONGEST
 from contactlab.steady_state.shooting import Orbit
 from contactlab.steady_state.state import Steady
 
@@ -34,13 +35,14 @@ class KnownOrbits:
         """Keep no further orbit: a steady state then depends on its own numbers alone."""
         self._complete = True
 
-    def steady(self, point: int, shares: Array, setup: Setup) -> Steady:
+    def steady(self, point: int, shares: Array, setup: Setup, longest: int = LONGEST) -> Steady:
         """Return the steady state that follows the nearest known orbit, or the one that is reached from rest.
 
         Args:
             point: number of the operating point.
             shares: its free numbers in the unit cube, shape (parameter,).
             setup: of the motor at this point.
+            longest: run from rest without an orbit [periods].
 
         Raises:
             NotSettledError, BrokenOffError: as of `contactlab.steady`.
@@ -49,7 +51,7 @@ class KnownOrbits:
         if known:
             _, nearest = min(known, key=lambda each: float(np.linalg.norm(each[0] - shares)))
             state = followed(setup, nearest)
-        found = steady(setup) if state is None else state
+        found = steady(setup, longest=longest) if state is None else state
         orbit = found.orbit
         if orbit is not None and not self._complete and (state is not None or is_followed(orbit)):
             # A map that has run holds tens of megabytes.
