@@ -1,5 +1,6 @@
 """The folders of the kernels' machine code: one that this machine fills, and others that are read alone."""
 
+import ast
 import os
 import shutil
 import tempfile
@@ -19,12 +20,46 @@ OLD: Final = 30 * 86400.0
 
 
 def code_name() -> str:
-    """Return the name of a folder of the code of exactly these sources."""
+    """Return the name of a folder of the code of exactly these sources, but for comments and docstrings."""
+    written = _sources()
+    # Parsing takes half a second: a folder names the texts that it is known to be of.
+    for parent in _parents():
+        for known in parent.glob(f"{PREFIX}*/{_digest(written)}"):
+            return known.parent.name
+    return f"{PREFIX}{_digest({name: _compiled(text) for name, text in written.items()})}"
+
+
+def _sources() -> dict[str, bytes]:
+    """Return the texts of the sources by path."""
+    paths = sorted(path for name in SOURCES for path in PACKAGE.glob(name))
+    return {path.relative_to(PACKAGE).as_posix(): path.read_bytes() for path in paths}
+
+
+def _compiled(source: bytes) -> bytes:
+    """Return what is compiled of a source: its syntax tree, without texts that stand by themselves."""
+    tree = ast.parse(source)
+    for node in ast.walk(tree):
+        if isinstance(body := getattr(node, "body", None), list):
+            node.body = [each for each in body if not _is_text(each)]  # type: ignore[attr-defined]
+    return ast.dump(tree).encode()
+
+
+def _is_text(node: ast.AST) -> bool:
+    """Return whether a statement is a text alone, such as a docstring."""
+    return (
+        isinstance(node, ast.Expr)
+        and isinstance(node.value, ast.Constant)
+        and isinstance(node.value.value, str)
+    )
+
+
+def _digest(parts: dict[str, bytes]) -> str:
+    """Return the digest of parts by name."""
     digest = sha256()
-    for source in sorted(path for name in SOURCES for path in PACKAGE.glob(name)):
-        digest.update(source.relative_to(PACKAGE).as_posix().encode())
-        digest.update(source.read_bytes())
-    return f"{PREFIX}{digest.hexdigest()[:16]}"
+    for name, part in parts.items():
+        digest.update(name.encode())
+        digest.update(part)
+    return digest.hexdigest()[:16]
 
 
 @cache
@@ -39,6 +74,7 @@ def code_folder() -> Path:
                 for folder in parent.glob(f"{PREFIX}*"):
                     if folder.name != name and time.time() - folder.stat().st_mtime > OLD:
                         shutil.rmtree(folder, ignore_errors=True)
+                (parent / name / _digest(_sources())).touch()
                 return parent / name
         except OSError:
             continue

@@ -1,6 +1,7 @@
 """The compiled code is kept where it belongs to these sources, and found again."""
 
 import os
+import shutil
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -61,6 +62,24 @@ def test_a_change_of_a_kernels_source_changes_the_folder(
     after = folders.code_folder.__wrapped__()
     assert before != after
     assert before.parent == after.parent == tmp_path / "__pycache__"
+
+
+SAME = '"""Text of the module."""\n# A comment.\na = (\n    1\n)\n"""Meaning of the constant."""\n'
+
+
+@pytest.mark.parametrize(("text", "same"), [(SAME, True), ("a = 1.0\n", False), ('a = "1"\n', False)])
+def test_comments_docstrings_and_line_breaks_are_no_change(
+    text: str, same: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "engine").mkdir()
+    source = tmp_path / "engine" / "module.py"
+    source.write_text("a = 1\n")
+    monkeypatch.setattr(folders, "PACKAGE", tmp_path)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    before = folders.code_folder.__wrapped__()
+    source.write_text(text)
+    # By the texts that a folder is known to be of, and by what is compiled of them.
+    assert [(folders.code_folder.__wrapped__() == before) for _ in range(2)] == [same, same]
 
 
 def test_a_read_only_installation_falls_back_to_the_users_cache(
@@ -279,6 +298,17 @@ def test_code_that_cannot_be_added_to_is_used(filled: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in filled.rglob("*")}
     assert outcome_of(filled, READ_ONLY.format(folder=str(filled))) == ["0", "0.8"]
     assert {path: path.stat().st_mtime_ns for path in filled.rglob("*")} == before
+
+
+@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
+def test_a_copy_of_the_package_with_another_comment_finds_the_code(filled: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "contactlab"
+    shutil.copytree(folders.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
+    with (copy / "engine" / "impulses.py").open("a") as source:
+        source.write("\n# Another comment.\n")
+    here = f"import sys; sys.path.insert(0, {str(tmp_path)!r})"
+    there = f"import contactlab; assert contactlab.__path__ == [{str(copy)!r}]"
+    assert outcome_of(filled, f"{here}\n{there}\n") == ["0", "0.8"]
 
 
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
