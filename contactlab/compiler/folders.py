@@ -36,21 +36,16 @@ def _sources() -> dict[str, bytes]:
 
 
 def _compiled(source: bytes) -> bytes:
-    """Return what is compiled of a source: its syntax tree, without texts that stand by themselves."""
+    """Return what is compiled of a source: its syntax tree, without constants that stand by themselves."""
     tree = ast.parse(source)
     for node in ast.walk(tree):
         if isinstance(body := getattr(node, "body", None), list):
-            node.body = [each for each in body if not _is_text(each)]  # type: ignore[attr-defined]
+            node.body = [  # type: ignore[attr-defined]
+                each
+                for each in body
+                if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))
+            ]
     return ast.dump(tree).encode()
-
-
-def _is_text(node: ast.AST) -> bool:
-    """Return whether a statement is a text alone, such as a docstring."""
-    return (
-        isinstance(node, ast.Expr)
-        and isinstance(node.value, ast.Constant)
-        and isinstance(node.value.value, str)
-    )
 
 
 def _digest(parts: dict[str, bytes]) -> str:
