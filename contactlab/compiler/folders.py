@@ -3,6 +3,7 @@
 import ast
 import os
 import shutil
+import sys
 import tempfile
 import time
 from functools import cache
@@ -49,8 +50,8 @@ def _compiled(source: bytes) -> bytes:
 
 
 def _digest(parts: dict[str, bytes]) -> str:
-    """Return the digest of parts by name."""
-    digest = sha256()
+    """Return the digest of parts by name, for this Python, by whose grammar they are read."""
+    digest = sha256(repr(sys.version_info[:2]).encode())
     for name, part in parts.items():
         digest.update(name.encode())
         digest.update(part)

@@ -35,7 +35,7 @@ def units() -> Any:
     try:
         from contactlab.compiler import units
 
-        _keep(units.around)
+        _keep_in(code_folder(), units.around)
         return units if units.around(6.0) == 5.0 else None
     # Units go beyond the compiler's documented interface: another version may fail in any way.
     except Exception:
@@ -64,7 +64,7 @@ class Kernel:
             whole.inner[self.py_func] = made
             whole.ignore_literals(made)
         elif not self._inner and is_own(self.py_func):
-            _keep(made)
+            _keep_in(code_folder(), made)
         return made
 
     def __call__(self, *arguments: Any) -> Any:
@@ -135,7 +135,7 @@ def generated_kernel(name: str, source: str) -> Any:
     module = sys.modules.setdefault(f"contactlab_{path.stem}", ModuleType(f"contactlab_{path.stem}"))
     exec(compile(source, str(path), "exec"), vars(module))
     made = fleeting_kernel(vars(module)[name])
-    _keep(made)
+    _keep_in(code_folder(), made)
     return made
 
 
@@ -154,24 +154,35 @@ def remade(kernel: Any) -> Any:
     return jit(**kernel.targetoptions)(kernel.py_func)
 
 
-def _keep(kernel: Any) -> None:
-    """Let a kernel keep its code, and find it where it is."""
-    from contactlab.compiler.shipped import Kept, ReadOnly, Shipped
+def _keep_in(folder: Path, kernel: Any) -> None:
+    """Let a kernel keep its code in a folder: the compiler reads the setting once, for each."""
+    from numba import config
 
-    kinds = (Kept, code_folder()), (ReadOnly, read_only_folder()), (Shipped, shipped_folder())
-    kernel._cache = _Caches([kind(kernel.py_func) for kind, there in kinds if there])
+    settings: Any = config
+    before, settings.CACHE_DIR = settings.CACHE_DIR, str(folder)
+    try:
+        kernel.enable_caching()
+    finally:
+        settings.CACHE_DIR = before
+    others: list[Any] = []
+    if read_only_folder() or shipped_folder():
+        from contactlab.compiler.shipped import ReadOnly, Shipped
+
+        kinds = (ReadOnly, read_only_folder()), (Shipped, shipped_folder())
+        others = [kind(kernel.py_func) for kind, there in kinds if there]
+    kernel._cache = _Kept(kernel._cache, others)
 
 
 @final
-class _Caches:
+class _Kept:
     """A kernel's code that this machine keeps, before others of the compiler's caches, which are read alone.
 
     Any other attribute is that of the first. A file of it that cannot be read, such as one that was cut as it
     was written, is made anew.
     """
 
-    def __init__(self, caches: list[Any]) -> None:
-        self._first, *self._others = caches
+    def __init__(self, first: Any, others: list[Any]) -> None:
+        self._first, self._others = first, others
 
     def load_overload(self, signature: Any, target: Any) -> Any:
         """Return the code for a signature, None where there is none."""

@@ -1,7 +1,6 @@
 """The compiled code is kept where it belongs to these sources, and found again."""
 
 import os
-import shutil
 import subprocess
 import sys
 from contextlib import nullcontext
@@ -298,17 +297,6 @@ def test_code_that_cannot_be_added_to_is_used(filled: Path) -> None:
     before = {path: path.stat().st_mtime_ns for path in filled.rglob("*")}
     assert outcome_of(filled, READ_ONLY.format(folder=str(filled))) == ["0", "0.8"]
     assert {path: path.stat().st_mtime_ns for path in filled.rglob("*")} == before
-
-
-@pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
-def test_a_copy_of_the_package_with_another_comment_finds_the_code(filled: Path, tmp_path: Path) -> None:
-    copy = tmp_path / "contactlab"
-    shutil.copytree(folders.PACKAGE, copy, ignore=shutil.ignore_patterns("__pycache__"))
-    with (copy / "engine" / "impulses.py").open("a") as source:
-        source.write("\n# Another comment.\n")
-    here = f"import sys; sys.path.insert(0, {str(tmp_path)!r})"
-    there = f"import contactlab; assert contactlab.__path__ == [{str(copy)!r}]"
-    assert outcome_of(filled, f"{here}\n{there}\n") == ["0", "0.8"]
 
 
 @pytest.mark.skipif(compiled.INTERPRETED, reason="nothing is compiled")
