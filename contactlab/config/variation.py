@@ -14,10 +14,18 @@ from contactlab.laws.declaration import SHARED
 from contactlab.motor import NormalModes
 from contactlab.parameter import DeclaredField
 from contactlab.quantity import UnitError
+from contactlab.settling.criterion import STEADY
 
 _OF_LAW: Final = ("law.", f"contact.{SHARED}", "rotor.radius")
 _OF_MODES: Final = tuple(f"{group}." for group in ("resonator", *OF_BEAMS))
 """Keys that a law and the modes of a beam are made from, by what they begin with."""
+
+_APART: Final = (
+    *("contact.angle", "contact.clearance", "drive.phase", "drive.voltage_1", "drive.voltage_2"),
+    *("rotor.damping", "rotor.inertia", "rotor.initial_velocity", "rotor.load_torque"),
+)
+"""Numbers whose ranges and relations are all that can refuse them, without preload and changes in a run of
+a fixed duration."""
 
 
 class _Common(NamedTuple):
@@ -29,6 +37,7 @@ class _Common(NamedTuple):
         fields: declarations of the numbers that differ, by full key.
         rules: relations that these are in.
         law, modes: those of all setups; None where the numbers change them.
+        apart: whether values are sound that are in their ranges and relations.
     """
 
     source: Values
@@ -37,6 +46,7 @@ class _Common(NamedTuple):
     rules: tuple[Rule, ...]
     law: ContactLaw | None
     modes: NormalModes | None
+    apart: bool
 
     @classmethod
     def of(cls, setup: Setup, configuration: Values, keys: Mapping[str, object]) -> "_Common | None":
@@ -62,23 +72,37 @@ class _Common(NamedTuple):
             tuple(rule for rule in RULES if keys.keys() & {*rule.keys} and sound.keys() >= {*rule.keys}),
             None if any(key.startswith(_OF_LAW) for key in keys) else setup.law,
             None if not beam or any(key.startswith(_OF_MODES) for key in keys) else setup.motor.modes,
+            {*_APART} >= {*keys}
+            and setup.motor.preload is None
+            and not setup.changes
+            # The period of a drive hangs on which of its tones are silent.
+            and setup.until != STEADY,
         )
+
+    def values_at(self, point: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Return the values with other numbers; None where one is out of its range or its relations."""
+        values = self.values
+        try:
+            for key, value in point.items():
+                values = with_key(values, key, value_of(self.fields[key], value, key))
+        except UnitError:
+            return None
+        sound = flat(values) if self.rules else {}
+        return values if all(rule.holds(*(sound[key] for key in rule.keys)) for rule in self.rules) else None
 
     def setup(self, point: Mapping[str, Any]) -> Setup | None:
         """Return the setup of other numbers; None where one is refused."""
-        source, values = self.source, self.values
+        source, values = self.source, self.values_at(point)
+        if values is None:
+            return None
+        for key, value in point.items():
+            source = with_key(source, key, value)
         try:
-            for key, value in point.items():
-                source = with_key(source, key, value)
-                values = with_key(values, key, value_of(self.fields[key], value, key))
-            sound = flat(values) if self.rules else {}
-            if not all(rule.holds(*(sound[key] for key in rule.keys)) for rule in self.rules):
-                return None
             values = {name: dict(section) for name, section in values.items()}
             contact, rotor = values["contact"], values["rotor"]
             law = self.law or law_of(values["law"], contact[SHARED], rotor["radius"])
             return assembled(source, values, law, self.modes)
-        except (UnitError, ConfigurationError):
+        except ConfigurationError:
             return None
 
 
@@ -116,3 +140,9 @@ class Variation:
         if not again:
             self._keys, self._common = point.keys(), _Common.of(setup, configuration, point)
         return setup
+
+    def check(self, point: Mapping[str, Any]) -> None:
+        """Refuse these values as `setup` does, which is called where ranges and relations do not suffice."""
+        common = self._common if point.keys() == self._keys else None
+        if not (common and common.apart and common.values_at(point) is not None):
+            self.setup(point)

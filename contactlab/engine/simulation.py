@@ -42,6 +42,7 @@ from contactlab.engine.state import (
     Run,
     State,
     copy_of,
+    new_record,
     state_from_value,
 )
 from contactlab.laws.base import FREE, ContactLaw
@@ -188,8 +189,9 @@ class Simulator:
         law, duration = ready.law, ready.duration
         check_interval(law, duration, record_interval)
         contact_step = 0.0 if ready.constrained else ready.contact_step
-        states = np.zeros(1, STATE)
-        state, parted = states[0], states["contact"][:0]
+        state = new_record(STATE)
+        states = state.base
+        parted = states["contact"][:0]
         run = ready.run_of(state)
         q, v = (modes_of(run.plant)[name][:, START] for name in ("q", "v"))
         if start is None:

@@ -20,6 +20,7 @@ import numpy as np
 import yaml
 
 from contactlab import variables
+from contactlab.immutable import PLAIN
 from contactlab.laws import ContactLaw, InternalVariable
 from contactlab.laws.memory import ODD
 from contactlab.laws.registry import classes_of, provenance
@@ -107,7 +108,7 @@ def contents_of(configuration: Mapping[str, Any]) -> dict[str, bytes]:
     """Return the contents of the files that a configuration names, by section."""
     contents: dict[str, bytes] = {}
     for name, keys in configuration.items():
-        if isinstance(keys, Mapping):
+        if type(keys) not in PLAIN and isinstance(keys, Mapping):
             if (content := kept(keys.get("digest"))) is not None:
                 contents[name] = content
             contents |= {f"{name}.{below}": content for below, content in contents_of(keys).items()}

@@ -4,7 +4,7 @@ from math import inf
 
 import pytest
 
-from contactlab.config import ConfigurationError, rebuild
+from contactlab.config import ConfigurationError, rebuild, variation
 from contactlab.config.composition import compose, with_references
 from contactlab.config.nesting import Value, with_key
 from contactlab.config.schema import numbers_in
@@ -31,7 +31,7 @@ def built(configuration: Values) -> Setup:
     return rebuild(with_references(configuration))
 
 
-def outcome(make: object) -> Setup | tuple[str, ...]:
+def outcome(make: object) -> Setup | tuple[str, ...] | None:
     try:
         return make()  # type: ignore[operator, no-any-return]
     except ConfigurationError as error:
@@ -57,6 +57,8 @@ def test_a_varied_number_gives_the_setup_of_its_whole_configuration_or_its_fault
         varied = outcome(lambda value=value: variation.setup({key: value}))
         whole = outcome(lambda value=value: built(with_key(base, key, value)))
         assert varied == whole
+        checked = outcome(lambda value=value: variation.check({key: value}))
+        assert checked == (None if isinstance(whole, Setup) else whole)
         if isinstance(varied, Setup) and isinstance(whole, Setup):
             assert str(varied.configuration) == str(whole.configuration)
             assert varied.origin is not None
@@ -80,6 +82,22 @@ def test_one_configuration_is_built_whole_and_what_a_number_does_not_change_is_s
     assert variation.setup({"contact.friction_coefficient": 0.2}).law != setups[0].law
     assert variation.setup({"contact.friction_coefficient": 0.1}).law.friction_limit == 0.1
     assert len(whole) == 2
+
+
+def test_numbers_that_their_ranges_and_relations_alone_can_refuse_are_checked_without_a_setup(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    check = Variation(compose(["law=newton"]), built)
+    check.check({"drive.phase": 0.0, "contact.clearance": 1e-6})
+
+    def refused(*_: object) -> Setup:
+        raise AssertionError("A setup was built.")
+
+    monkeypatch.setattr(variation, "assembled", refused)
+    check.check({"drive.phase": 1.0, "contact.clearance": 2e-6})
+    # Thicker than the beam.
+    with pytest.raises(ConfigurationError, match=r"contact\.clearance"):
+        check.check({"drive.phase": 1.0, "contact.clearance": 0.1})
 
 
 def test_a_number_that_others_refer_to_changes_them_too() -> None:

@@ -63,6 +63,24 @@ def test_a_change_of_a_kernels_source_changes_the_folder(
     assert before.parent == after.parent == tmp_path / "__pycache__"
 
 
+SAME = '"""Text of the module."""\n# A comment.\na = (\n    1\n)\n"""Meaning of the constant."""\n'
+
+
+@pytest.mark.parametrize(("text", "same"), [(SAME, True), ("a = 1.0\n", False), ('a = "1"\n', False)])
+def test_comments_docstrings_and_line_breaks_are_no_change(
+    text: str, same: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "engine").mkdir()
+    source = tmp_path / "engine" / "module.py"
+    source.write_text("a = 1\n")
+    monkeypatch.setattr(folders, "PACKAGE", tmp_path)
+    monkeypatch.delenv("NUMBA_CACHE_DIR", raising=False)
+    before = folders.code_folder.__wrapped__()
+    source.write_text(text)
+    # By the texts that a folder is known to be of, and by what is compiled of them.
+    assert [(folders.code_folder.__wrapped__() == before) for _ in range(2)] == [same, same]
+
+
 def test_a_read_only_installation_falls_back_to_the_users_cache(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

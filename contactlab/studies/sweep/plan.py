@@ -239,6 +239,11 @@ class Plan:
         base, point = self._of_base(cell)
         return self._variations[base].setup(point)
 
+    def check(self, cell: int) -> None:
+        """Refuse the values of a cell together as `setup_at` does."""
+        base, point = self._of_base(cell)
+        self._variations[base].check(point)
+
     def study_at(self, cell: int) -> "Study":
         """Return the study that is put to the setup of a cell."""
         return study_in(with_references(self.configuration(cell))["study"])
@@ -290,10 +295,10 @@ def planned(
         raise ConfigurationError("solver.until is steady; series must be at the same times in every run.")
     values = {key: column for key, column in columns.items() if key not in groups}
     trials = [Variation(trial, _built) for trial in _trials(bases, values)]
-    outputs = outputs.of_laws(setup.law for setup in _sound_setups(trials, {}))
+    outputs = outputs.of_laws(setup.law for setup in _sound_setups(trials))
     declared = {}
     # Of groups alone too: a value that none of them admits is refused before anything is written.
-    sound = _sound(trials, {}).configuration
+    sound = (next(_sound_setups(trials), None) or trials[0].setup({})).configuration
     if values:
         study = {"study": bases[0]["study"]} if "study" in bases[0] else {}
         declared = declared_in({**sound, **study}, WITH_STUDY if study else KEYS)
@@ -308,7 +313,7 @@ def planned(
                 numbers = [each for value in column for each in spread(key, value, units)]
                 for number in numbers:
                     with faults_added(faults):
-                        _sound(trials, {key: number})
+                        _check(trials, {key: number})
         if not samples and len({*numbers}) < len(numbers):
             faults.append(f"{key} has a value twice; every value must occur once.")
         axes.append(Axis(key, tuple(numbers), units, meaning))
@@ -329,7 +334,7 @@ def planned(
         raise ConfigurationError(f"The sweep has {shown}; it must have at most {most} (sweep.keep={keep}).")
     for cell in range(plan.cells if samples else 0):
         with faults_added(faults):
-            plan.setup_at(cell)
+            plan.check(cell)
     raise_faults(faults)
     return plan
 
@@ -394,16 +399,20 @@ def _faults_of(columns: Columns, groups: Mapping[str, Sequence[str]], outputs: O
             yield f"{key} is swept and series are kept; they must be at the same times in every run."
 
 
-def _sound(trials: Sequence[Variation], point: Mapping[str, Value]) -> Setup:
-    """Build the first trial that is sound at a point; where none is, raise the faults of the first."""
-    return next(_sound_setups(trials, point), None) or trials[0].setup(point)
-
-
-def _sound_setups(trials: Iterable[Variation], point: Mapping[str, Value]) -> Iterator[Setup]:
-    """Yield the setups of the trials that are sound at a point."""
+def _check(trials: Sequence[Variation], point: Mapping[str, Value]) -> None:
+    """Refuse a point that is sound in no trial, by the faults of the first."""
     for trial in trials:
         with suppress(ConfigurationError):
-            yield trial.setup(point)
+            trial.check(point)
+            return
+    trials[0].check(point)
+
+
+def _sound_setups(trials: Iterable[Variation]) -> Iterator[Setup]:
+    """Yield the setups of the trials that are sound as they are."""
+    for trial in trials:
+        with suppress(ConfigurationError):
+            yield trial.setup({})
 
 
 def _trials(bases: Sequence[Configuration], columns: Columns) -> list[Configuration]:
