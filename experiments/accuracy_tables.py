@@ -165,6 +165,32 @@ def waits() -> str:
     return markdown(("", *(f"`{law}`" for law in benchmark_waits.LAWS)), rows)
 
 
+def paths() -> str:
+    """Return times of laws on paths beside those of LSODA, by benchmark_paths.py."""
+    # Imported here: listed_numbers.py makes the folder known.
+    import benchmark_paths
+
+    head = (
+        "",
+        "evaluation in a fit (ms)",
+        "call of `cl.drive` (ms)",
+        "LSODA over an evaluation",
+        "LSODA over a call",
+        "error of the force",
+        "of LSODA",
+    )
+    rows = (
+        (
+            f"`{law}`, {where}",
+            *(f"{1e3 * row[name]:.2g}" for name in ("evaluation", "call")),
+            *(f"{row['LSODA'] / row[name]:.2g}" for name in ("evaluation", "call")),
+            *(f"{row[name]:.0e}" for name in ("error", "error of LSODA")),
+        )
+        for (law, where), row in ((name.split(", "), own) for name, own in benchmark_paths.kept().items())
+    )
+    return markdown(head, rows)
+
+
 TABLES: Final[dict[str, Callable[[], str]]] = {
     "case A": case_a,
     "bases": bases,
@@ -174,4 +200,5 @@ TABLES: Final[dict[str, Callable[[], str]]] = {
     "true law": true_law,
     "rotor fit": rotor_fit,
     "waits": waits,
+    "paths": paths,
 }

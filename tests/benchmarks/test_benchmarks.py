@@ -6,6 +6,7 @@ from pathlib import Path
 import accuracy_tables
 import benchmark_engine
 import benchmark_impacts
+import benchmark_paths
 import benchmark_sweep
 import benchmark_waits
 import pytest
@@ -80,3 +81,20 @@ def test_kept_times_of_waits_become_differences_on_the_page(
     ]
     newton = [line.split("|")[-2].strip() for line in accuracy_tables.waits().splitlines()]
     assert newton == ["`newton`", "---", "not timed", "1", "not timed", "not timed"]
+
+
+@pytest.mark.parametrize("name", benchmark_paths.CASES)
+def test_a_path_and_lsoda_are_as_near_to_a_third_method(name: str) -> None:
+    row = benchmark_paths.measured(benchmark_paths.CASES[name](), 1)
+    assert 0.0 < row["error of LSODA"] <= row["error"] < 1e-8
+
+
+def test_kept_times_of_paths_become_ratios_on_the_page(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(benchmark_paths, "KEPT", tmp_path / "paths.csv")
+    row = {"evaluation": 1e-3, "call": 8e-3, "LSODA": 4e-3, "error": 3e-9, "error of LSODA": 2e-9}
+    benchmark_paths.keep({"dahl, on the path": row})
+    assert benchmark_paths.kept() == {"dahl, on the path": row}
+    last = [cell.strip() for cell in accuracy_tables.paths().splitlines()[-1].strip("|").split("|")]
+    assert last == ["`dahl`, on the path", "1", "8", "4", "0.5", "3e-09", "2e-09"]
