@@ -1,5 +1,6 @@
 """Response of contacts and motor: numbers without a right value, and whether the motor has settled."""
 
+from math import isnan
 from typing import Final
 
 import numpy as np
@@ -10,6 +11,7 @@ from contactlab.laws.hertz_penalty import HertzPenalty
 from contactlab.metrics.catalogue import SETTLED, UNSETTLED, metric, without_records
 from contactlab.metrics.constraints import stiffness
 from contactlab.metrics.run import NotApplicableError, Run, needed, positive
+from contactlab.motor.motor import lever_of
 from contactlab.settling.verdict import SHARE
 
 ASSUMED_STIFFNESS: Final = float(HertzPenalty().stiffness or 0.0)
@@ -184,11 +186,13 @@ def final_rotor_velocity(run: Run) -> float:
 
 @metric("mean(-R F)", "mean torque of friction on the rotor in the last whole drive periods", "N m")
 def torque(run: Run) -> float:
+    lever = lever_of(run.setting("rotor.radius"))
+    needed(not isnan(lever))
     span = run.last_periods()
     # A mean force stands for the interval that ends at its time.
     force = run.series("friction_force")[span][1:]
     lengths = np.diff(run.time[span])
-    return -run.setting("rotor.radius") * float(force @ lengths) / float(lengths.sum())
+    return -lever * float(force @ lengths) / float(lengths.sum())
 
 
 @metric(

@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import nan
 from typing import Annotated, Final, final
 
 import numpy as np
@@ -191,6 +192,14 @@ class Rotor(Checked):
     damping: Annotated[float, _ROTOR_DAMPING] = 0.0
     load_torque: Annotated[float, _LOAD] = 0.0
     initial_velocity: Annotated[float, _START] = 0.0
+
+
+def lever_of(radius: float) -> float:
+    """Return the lever of friction on a rotor of a radius [m], not a number where the contact is flat.
+
+    `FLAT` stands for the radius of what only moves along: it is no lever, and R F no torque.
+    """
+    return radius if radius < FLAT else nan
 
 
 @final

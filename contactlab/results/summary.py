@@ -3,10 +3,12 @@
 import json
 import re
 from collections.abc import Mapping
+from math import isnan
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from contactlab.motor.motor import lever_of
 from contactlab.results.netcdf import (
     TITLE,
     Column,
@@ -73,9 +75,7 @@ def summary_of(run: "xarray.DataTree | Groups", wall_time: float | None = None) 
         texts = (f"{name.replace('_', ' ')} {float(root[name].values[-1]):.6g} J" for name in energies)
         lines["prescribed path"] = f"{prefixed(end - start, 's')}; {', '.join(texts)}"
     else:
-        # Plus nothing: a rotor at rest has no sign.
-        velocity = float(root["rotor_velocity"].values[-1]) + 0.0
-        lines["rotor velocity"] = f"{velocity:.6g} rad/s after {prefixed(end, 's')}"
+        lines |= _rotor(root, configuration, end)
         lines["steady state"] = f"{settling.sentence}. {settling.way_out(end)}".rstrip()
     lines["peak normal force"] = _peak(contacts)
     if ended := _ended(configuration.get("solver"), end - start, settling):
@@ -150,6 +150,15 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     if step := float(attributes["contact_step"]):
         texts.append(f"contact step {prefixed(step, 's')}")
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
+
+
+def _rotor(root: Group, configuration: Mapping[str, Any], end: float) -> dict[str, str]:
+    """Return the rotor's velocity at the end [s] of a run; nothing of a flat contact, which turns none."""
+    if isnan(lever_of(float(configuration["rotor"]["radius"]))):
+        return {}
+    # Plus nothing: a rotor at rest has no sign.
+    velocity = float(root["rotor_velocity"].values[-1]) + 0.0
+    return {"rotor velocity": f"{velocity:.6g} rad/s after {prefixed(end, 's')}"}
 
 
 def _error_of_steps(attributes: Mapping[Any, Any]) -> str:

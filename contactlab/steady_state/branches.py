@@ -80,6 +80,7 @@ class Branch:
             "rotor_velocity": ("rad s-1", "mean angular velocity of the rotor", lambda p: p.velocity),
             "rotor_velocity_error": ("rad s-1", "error of the mean velocity", lambda p: p.velocity_error),
             "torque": ("N m", "mean torque of the contact on the rotor", lambda p: p.torque),
+            "friction_force": ("N", "mean friction force on the tip", lambda p: p.friction_force),
             "settling_time": ("s", "time to fall by e, of small deviations", lambda p: p.orbit.settling_time),
             "roughness": ("1", "change of the map's derivative nearby", lambda p: p.orbit.roughness),
             "contacts": ("1", "contacts in a period of the orbit", lambda p: p.contacts),

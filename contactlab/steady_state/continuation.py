@@ -20,6 +20,7 @@ from scipy.optimize import brentq
 
 from contactlab.arrays import Array
 from contactlab.engine.state import State
+from contactlab.motor.motor import lever_of
 from contactlab.progress import tell_progress
 from contactlab.steady_state.arrival import RECORDS, SHORTEST_FLIGHT, stretch_of, stretches_of
 from contactlab.steady_state.period_map import BrokenOffError, PeriodMap
@@ -134,9 +135,13 @@ class BranchPoint:
 
     @property
     def torque(self) -> float:
-        """Mean torque of the contact on the rotor, -R F [N m]."""
-        radius = self.run.motor.geometry.rotor_radius
-        return float(-radius * self.run.series["friction_force"][1:].mean())
+        """Mean torque of the contact on the rotor, -R F [N m]; NaN where the contact is flat."""
+        return -lever_of(self.run.motor.geometry.rotor_radius) * self.friction_force
+
+    @property
+    def friction_force(self) -> float:
+        """Mean friction force on the tip [N]."""
+        return float(self.run.series["friction_force"][1:].mean())
 
 
 @final

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from math import isnan
 from typing import Final, final
 
 import numpy as np
@@ -14,6 +15,7 @@ from contactlab.config import Setup
 from contactlab.engine.state import State
 from contactlab.estimate import Estimate
 from contactlab.motor import ModalState
+from contactlab.motor.motor import lever_of
 from contactlab.results.netcdf import REFERENCES
 from contactlab.results.provenance import code_attributes
 from contactlab.results.yaml_text import write_yaml
@@ -149,8 +151,10 @@ class Steady:
 
     @property
     def torque(self) -> Estimate:
-        """Mean torque of the contact on the rotor, -R F, and its error [N m]."""
-        radius = self.setup.motor.geometry.rotor_radius
+        """Mean torque of the contact on the rotor, -R F, and its error [N m]; NaN of a flat contact."""
+        radius = lever_of(self.setup.motor.geometry.rotor_radius)
+        if isnan(radius):
+            return Estimate(radius, radius)
         mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
         # Forward and backward parts may cancel; each of them has its error.
         return Estimate(mean, max(error, self.closure * radius * self.average("normal_force").value))

@@ -167,6 +167,9 @@ def draw_branch(data: xarray.Dataset) -> Figure:
     # A velocity that is given says nothing.
     if "belt" in (data.attrs["parameter"], *data.attrs):
         shown, meaning = "torque", "mean torque (N m)"
+        if data[shown].isnull().all():
+            # A flat contact has no lever.
+            shown, meaning = "friction_force", "mean friction force (N)"
     else:
         shown, meaning = "rotor_velocity", "mean rotor velocity (rad/s)"
     draw_curve(upper, data, shown)

@@ -4,6 +4,7 @@ import json
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import partial
+from math import isnan
 from operator import attrgetter, methodcaller
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, Final
@@ -148,10 +149,15 @@ class Steady(Study):
         about, group = data["steady"].attrs, data["steady"].to_dataset()
         several = f" of {about['periods']} periods of the drive" if about["periods"] > 1 else ""
         quantity = self.quantities["belt" in about]
-        value = with_unit(self.numbers(data)[quantity.name], quantity.units)
+        number = self.numbers(data)[quantity.name]
+        value, meaning = with_unit(number, quantity.units), quantity.long_name
         ending = f", with the rotor held at {about['belt']:.6g} rad/s" if "belt" in about else ""
+        if isnan(number.value):
+            # A flat contact has no lever.
+            force = float(data["friction_force"].values[1:].mean())
+            value, meaning, ending = f"{force:.6g} N", "mean friction force on the body", ""
         sentences = [
-            f"The {quantity.long_name} is {value}{ending}.",
+            f"The {meaning} is {value}{ending}.",
             f"The motion is {about['kind']}{several}, found after {about['warm_up']} periods.",
         ]
         if "brake" in about:
@@ -189,8 +195,9 @@ class Steady(Study):
     def tables(self, data: xarray.DataTree) -> dict[str, pandas.DataFrame]:
         """Return the quantities, a row each."""
         caption = f"Steady state under {data.attrs['law']}"
-        columns = {"value": self.numbers(data)}
-        return {"quantities": table_of_quantities(self.quantities, columns, caption)}
+        numbers = self.numbers(data)
+        there = [each for each in self.quantities if not isnan(numbers[each.name].value)]
+        return {"quantities": table_of_quantities(there, {"value": numbers}, caption)}
 
     def figures(self, data: xarray.DataTree) -> dict[str, Any]:
         """Return path of the tip, multipliers, velocity, gap and forces."""

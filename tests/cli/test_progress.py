@@ -1,8 +1,12 @@
 """What a terminal shows while one waits, and what long computations tell of themselves."""
 
 import sys
+from contextlib import nullcontext
+from io import StringIO
 from pathlib import Path
 from time import sleep
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 from hypothesis import given, strategies as st
@@ -11,7 +15,8 @@ from support.terminals import assert_terminal_is_written_to, reports_of, slow
 import contactlab as cl
 from contactlab.cli import terminal
 from contactlab.cli.main import main
-from contactlab.progress import part_of_progress, tell_progress, untold_progress
+from contactlab.compiler.notice import Compiled
+from contactlab.progress import part_of_progress, shown_by, tell_progress, untold_progress
 from contactlab.studies.study import Task
 from contactlab.studies.sweep import collection
 
@@ -41,6 +46,29 @@ def test_a_terminal_is_written_to_while_a_task_takes_long(
     monkeypatch.setattr("contactlab.config.setup.simulate", slow)
     monkeypatch.setattr(sys, "argv", ["contactlab", *arguments])
     assert_terminal_is_written_to(main)
+
+
+class Terminal(StringIO):
+    """A stream that a bar is drawn on."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+@pytest.mark.parametrize("waited_for", [False, True])
+def test_the_compiler_has_a_bar_where_no_other_line_tells_of_it(
+    waited_for: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sys, "stderr", screen := Terminal())
+    made: Any = SimpleNamespace(data={"dispatcher": len})
+    reports = list[str]()
+    with shown_by(lambda what, _: reports.append(what)) if waited_for else nullcontext():
+        compiled = Compiled("loops", 10.0)
+        compiled.on_start(made)
+        compiled.on_end(made)
+        compiled.close()
+    drawn = "%|" in screen.getvalue().replace(" ", "")
+    assert (drawn, bool(reports)) == (not waited_for, waited_for)
 
 
 def test_nothing_but_a_terminal_is_drawn_on(capfd: pytest.CaptureFixture[str]) -> None:

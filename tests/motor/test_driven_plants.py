@@ -253,3 +253,20 @@ def test_the_numbers_of_a_plant_are_keys_until_something_is_replaced() -> None:
     braked = setup.with_("rotor.damping=1")
     assert braked.motor.plant is None
     assert "plant" not in braked.configuration
+
+
+def test_a_flat_contact_has_a_force_and_no_torque() -> None:
+    amplitude, mass, weight = 2e-5, 0.1, 0.5
+    shaken = cl.block(mass, weight=weight, base=cl.Vibration(amplitude, FREQUENCY), damping=1.0)
+    state = cl.steady(shaken, RIGID)
+    assert np.isnan(state.torque.value)
+    assert "torque" not in state.tables["quantities"]["quantity"].to_numpy()
+    # It slides to and fro alike.
+    written = state.text()
+    assert "N m" not in written.replace("N ms", "")
+    assert "torque" not in written
+    assert "mean friction force" in written
+    with pytest.raises(cl.ConfigurationError, match="plant"):
+        cl.characterise(shaken, RIGID)
+    run = cl.simulate(shaken, RIGID, duration=0.1)
+    assert "torque" not in cl.compare([run]).text()

@@ -29,6 +29,21 @@ def test_the_version_is_the_same_everywhere() -> None:
     assert f"\n## [{PROJECT['version']}]" in read("CHANGELOG.md")
 
 
+def test_what_is_not_released_stands_in_fragments_alone() -> None:
+    towncrier = tomllib.loads(read("pyproject.toml"))["tool"]["towncrier"]
+    changelog = read(towncrier["filename"])
+    # A release is put where the mark is, so that none may be above and nothing else below it.
+    before, _, after = changelog.partition(towncrier["start_string"])
+    assert "\n## " not in before
+    assert re.match(r"\n## \[\d+\.\d+\.\d+\] - ", after)
+    assert "[unreleased]" not in changelog.lower()
+    sections = "|".join(each["directory"] for each in towncrier["type"])
+    name = re.compile(rf"(\d+|\+[\w-]+)\.({sections})\.md")
+    ignored = {*towncrier["ignore"]}
+    for path in (ROOT / towncrier["directory"]).iterdir():
+        assert path.name in ignored or name.fullmatch(path.name), path.name
+
+
 def test_every_supported_python_is_tested() -> None:
     promised = [text.rpartition(" ")[2] for text in PROJECT["classifiers"] if "Python :: 3." in text]
     workflow = yaml.safe_load(read(".github/workflows/ci.yml"))["jobs"]["run"]

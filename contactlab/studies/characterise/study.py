@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from math import isnan
 from typing import Any, ClassVar, Final
 
 import numpy as np
@@ -10,6 +11,7 @@ import xarray
 
 from contactlab.config import ConfigurationError
 from contactlab.estimate import Estimate
+from contactlab.motor.motor import lever_of
 from contactlab.studies.characterise.sheet import MOTOR, POINT, data_sheet
 from contactlab.studies.function import function_of, of_motors
 from contactlab.studies.study import LENGTH, Setups, Study, Task, estimates, listing
@@ -57,6 +59,12 @@ class Characterise(Study):
         if not setups:
             raise ConfigurationError("There is nothing to characterise; there must be a setup.")
         for setup in setups.values():
+            if isnan(lever_of(setup.motor.geometry.rotor_radius)):
+                plant = setup.motor.plant.name if setup.motor.plant else "a motor with a flat contact"
+                raise ConfigurationError(
+                    f"plant is {plant}; it must have a rotor that turns, as plant=motor or plant=slider: a "
+                    "data sheet is over torque and velocity. Take steady, simulate or branch."
+                )
             if (load := setup.motor.rotor.load_torque) != 0.0:
                 raise ConfigurationError(
                     f"rotor.load_torque is {load:.12g} N m; it must be 0 N m: the sheet loads the motor "

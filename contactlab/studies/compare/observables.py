@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
-from math import nan
+from math import isnan, nan
 from typing import Final
 
 import numpy as np
@@ -11,6 +11,7 @@ import xarray
 from contactlab.config import Setup
 from contactlab.config.faults import failure_of
 from contactlab.estimate import Estimate
+from contactlab.motor.motor import lever_of
 from contactlab.steady_state import Steady, steady
 from contactlab.steady_state.means import LONGEST, motion_of, settled
 from contactlab.studies.characterise.transients import start_time
@@ -97,7 +98,9 @@ def quantities_of(state: Steady, names: Sequence[str]) -> dict[str, Estimate]:
     if "normal_impulse" in names:
         force = state.average("normal_force")
         result["normal_impulse"] = Estimate(state.period * force.value, state.period * force.error)
-    if "stall_torque" in names:
+    if "stall_torque" in names and isnan(lever_of(state.setup.motor.geometry.rotor_radius)):
+        result["stall_torque"] = Estimate(nan, nan)
+    elif "stall_torque" in names:
         result["stall_torque"] = steady(state.setup, belt=0.0, start=state, longest=LONGEST).torque
     if "start_time" in names:
         result["start_time"] = start_time(state.setup, state.velocity.value)

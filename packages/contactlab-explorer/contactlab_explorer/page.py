@@ -14,12 +14,12 @@ from contactlab.config import ConfigurationError
 from contactlab_explorer.pictures import approach, pictures, saved
 from contactlab_explorer.pool import FAULT, STOPPED, Pool
 from contactlab_explorer.scales import position, steps_of, value_at
-from contactlab_explorer.state import MOST, OF_MOTOR, VIEWS, History, State, laws
+from contactlab_explorer.state import MOST, OF_MOTOR, History, State, laws
 
 COLOURS: Final = "#0072b2", "#d55e00", "#009e73", "#cc79a7"
 """Of the laws, in the order of their choice; told apart without colour vision (Okabe and Ito 2008)."""
 
-OPEN: Final = "law", "drive", "contact", "path", "impact"
+OPEN: Final = "law", "plant", "drive", "contact", "path", "impact"
 """Groups whose sliders are shown at first."""
 
 PATIENCE: Final = 0.5
@@ -36,13 +36,20 @@ CHARTS: Final[dict[str, dict[str, Axis]]] = {
         "multipliers": ("Floquet multipliers, real", "imaginary"),
         "energy": ("", "mean power (mW)"),
     },
+    "plant": {
+        "position": ("time (ms)", "position (um), support dashed"),
+        "gap": ("time (ms)", "gap (um)"),
+        "force": ("time (ms)", "normal force (N)"),
+        "multipliers": ("Floquet multipliers, real", "imaginary"),
+        "energy": ("", "mean power (mW)"),
+    },
     "path": {"loop": ("slip (um)", "friction force (N)")},
     "impact": {
         "restitution": ("speed of the approach (m/s)", "restitution (1)"),
         "contact_time": ("speed of the approach (m/s)", "contact time (us)"),
     },
 }
-"""Axes of the charts of each view."""
+"""Axes of the charts of each view, and of a small plant in place of the motor."""
 
 CIRCLE: Final = [[cos(0.02 * pi * i), sin(0.02 * pi * i)] for i in range(101)]
 """The unit circle, within which multipliers of a stable orbit lie."""
@@ -92,6 +99,9 @@ def series_of(name: str, picture: dict[str, Any], law: str, colour: str) -> list
     drawn = [{**common, "type": "line", "showSymbol": False, "data": picture[name]}]
     if name == "force":
         drawn.append({**drawn[0], "yAxisIndex": 1, "data": picture["impulse"]})
+    if name == "position":
+        dashed = {"color": colour, "type": "dashed"}
+        drawn.append({**drawn[0], "lineStyle": dashed, "data": picture["under"]})
     return drawn
 
 
@@ -126,7 +136,7 @@ class Page:
             with ui.column().classes(
                 "w-80 max-md:w-full shrink-0 max-md:max-h-[45vh] max-md:overflow-y-auto no-wrap"
             ):
-                self._view = ui.select(dict(VIEWS), value=self.state.view, label="what is seen").classes(
+                self._view = ui.select(self.state.views, value=self.state.view, label="what is seen").classes(
                     "w-full"
                 )
                 self._view.on_value_change(lambda e: self._choose(replace(self.state, view=e.value)))
@@ -169,7 +179,7 @@ class Page:
                             self.add_slider(key)
         self._grid.clear()
         with self._grid:
-            self._charts = {name: chart(name, *axes) for name, axes in CHARTS[state.view].items()}
+            self._charts = {name: chart(name, *axes) for name, axes in CHARTS[state.scene].items()}
         self._draw()
 
     def add_slider(self, key: str) -> None:
@@ -289,7 +299,7 @@ class Page:
             self._tell("computing")
             with self._client:
                 whole = await self._all(pictures, state)
-                if whole and state.view == "motor":
+                if whole and state.scene == "motor":
                     self._tell("approach to the steady state")
                     whole = await self._all(approach, state)
                 if whole:

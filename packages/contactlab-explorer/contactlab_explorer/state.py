@@ -26,6 +26,9 @@ PARTS: Final = "normal", "friction"
 OF_MOTOR: Final = "drive", "contact", "rotor", "resonator", "piezoceramic", "placement"
 """Groups of a motor that have sliders, in their order."""
 
+PLANT: Final = "plant"
+"""Group of a small plant, whose numbers stand for those of the motor; and what is seen of it."""
+
 FRICTION: Final = "contact.friction_coefficient"
 """The number of the contact that a law by itself has too."""
 
@@ -53,7 +56,7 @@ class State:
     """What a page shows.
 
     Args:
-        base: the motor as the command has it, which no page changes but by numbers and laws.
+        base: the motor or small plant as the command has it, which no page changes but by numbers and laws.
         view: of `VIEWS`.
         laws: of `laws()`, one to four; the first is the one that was touched last.
         numbers: values in SI by key; those of a law have the law behind them, 'law.restitution@newton'.
@@ -91,6 +94,18 @@ class State:
         return chosen(self.base, law).with_(self.values(law))
 
     @property
+    def views(self) -> dict[str, str]:
+        """Titles of the views; a small plant has its name in place of the motor's."""
+        plant = self.base.motor.plant
+        return VIEWS if plant is None else {**VIEWS, "motor": f"a {plant.name}"}
+
+    @property
+    def scene(self) -> str:
+        """What is drawn: the view, or `PLANT` where that of a motor has a small plant."""
+        is_plant = self.view == "motor" and self.base.motor.plant is not None
+        return PLANT if is_plant else self.view
+
+    @property
     def motion(self) -> Any:
         """The prescribed motion of the view.
 
@@ -104,13 +119,13 @@ class State:
     @cached_property
     def sliders(self) -> dict[str, Number]:
         """All numbers that have sliders in this view, by key, with the values that are set."""
-        found = {}
+        found, groups = {}, {"motor": OF_MOTOR, PLANT: (PLANT,)}.get(self.scene, ())
         for law in self.laws:
             for key, number in chosen(self.base, law).numbers().items():
                 group = key.partition(".")[0]
                 if group == "law":
                     found[f"{key}@{law}"] = number
-                elif key == FRICTION or (self.view == "motor" and group in OF_MOTOR):
+                elif key == FRICTION or group in groups:
                     found[key] = number
         if self.view in MOTIONS:
             kind: type = MOTIONS[self.view]
@@ -148,8 +163,10 @@ class State:
         """Return command, Python and YAML that make what is seen under a law, by language."""
         setup = self.setup(law)
         if self.view == "motor":
-            python = f"{setup.python()}state = cl.orbit(setup)\n"
-            return {"bash": setup.command("steady") + "\n", "python": python, "yaml": setup.yaml()}
+            repeats = has_period(setup)
+            python = f"{setup.python()}{'state = cl.orbit' if repeats else 'run = cl.simulate'}(setup)\n"
+            command = setup.command("steady" if repeats else "")
+            return {"bash": f"{command}\n", "python": python, "yaml": setup.yaml()}
         motion = self.motion
         lines = [setup.python().replace("\n", "\nimport numpy as np\n", 1), "law = setup.law\n"]
         if self.view == "path":
@@ -169,6 +186,14 @@ class State:
 def chosen(base: cl.Setup, law: str) -> cl.Setup:
     """Return a base under a law with the law's own numbers; that of the base keeps those of the base."""
     return base if base.law.name == law else base.with_(options_of(law))
+
+
+def has_period(setup: cl.Setup) -> bool:
+    """Return whether what drives a setup repeats itself, so that there is a steady state to compute."""
+    try:
+        return setup.motor.drive.period > 0.0
+    except cl.NoPeriodError:
+        return False
 
 
 @final

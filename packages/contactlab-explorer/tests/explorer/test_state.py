@@ -192,3 +192,32 @@ def test_points_that_are_no_numbers_are_gaps() -> None:
     from contactlab_explorer.pictures import points
 
     assert points(np.array([0.0, 1.0]), np.array([math.nan, 2.0])) == [[None, None], [1.0, 2.0]]
+
+
+def test_a_plant_has_its_own_sliders_and_pictures_over_a_period() -> None:
+    amplitude, frequency = 1e-4, 60.0
+    words = ["law=newton", "plant=ball", f"plant.table.amplitude={amplitude}"]
+    ball = State(cl.build([*words, f"plant.table.frequency={frequency}", "law.restitution=0.3"]))
+    declared = ball.base.numbers()
+    groups = {key.partition(".")[0] for key in ball.sliders}
+    assert groups == {"law", "contact", "plant"}
+    assert {key for key in ball.sliders if key.startswith("contact")} == {"contact.friction_coefficient"}
+    assert {key for key in ball.sliders if key.startswith("plant")} == {
+        key for key, number in declared.items() if key.startswith("plant") and number.usual is not None
+    }
+    drawn = pictures(ball.with_number("plant.table.frequency", 70.0), "newton")
+    under, body, gap = (np.array(drawn[name], float) for name in ("under", "position", "gap"))
+    # Over an orbit of whole periods of the table, which was moved, and above it by the gap.
+    turns = under[-1, 0] / (1e3 / 70.0)
+    assert turns == pytest.approx(round(turns)) != 0.0
+    assert np.abs(under[:, 1]).max() == pytest.approx(1e6 * amplitude, rel=1e-2)
+    assert body[:, 1] - under[:, 1] == pytest.approx(gap[:, 1], abs=1e-9)
+    assert "tip" not in drawn
+    # Nothing drives this one, which falls and is drawn over its run.
+    falling = State(cl.build(["law=newton", "plant=ball", "plant.height=1 mm"]))
+    drawn = pictures(falling, "newton")
+    time, height = np.array(drawn["position"], float).T
+    flies = time < 1e3 * math.sqrt(2e-3 / 9.81)
+    assert height[flies] == pytest.approx(1e3 - 0.5 * 9.81 * time[flies] ** 2, abs=1e-6)
+    assert "simulate" in falling.texts("newton")["python"]
+    assert "steady" in ball.texts("newton")["bash"]
