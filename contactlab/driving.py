@@ -19,7 +19,7 @@ import scipy
 
 from contactlab.arrays import Array
 from contactlab.checks import ON_GRID, check_shape, checked_arguments
-from contactlab.engine.arguments import check_interval, check_law
+from contactlab.engine.arguments import check_interval, check_law, check_tolerance
 from contactlab.engine.binding import FORCE, FRICTION, SIGNATURES, row_of
 from contactlab.engine.compiled_loops import path_loop_of
 from contactlab.engine.equilibrium import penetrations
@@ -172,7 +172,7 @@ def drive(
         record_interval: [s]; by default the mean time between samples, or less for a thousand records. Forces
             are means over it, as in every run.
         tolerance: error of a step [1]; None takes 1e-12, behind a frame 1e-8.
-        progress: as of `contactlab.simulate`.
+        progress: as of `contactlab.simulate`; behind a frame called once, at the end.
 
     Returns:
         A run, whose `plot` draws forces over the path.
@@ -191,6 +191,7 @@ def drive(
         record_interval = min(length / RECORDS, float(time[-1] - time[0]) / (time.size - 1))
     if frame_stiffness is not None or frame_damping or frame_force:
         check_interval(law, length, record_interval)
+        check_tolerance(tolerance)
         intervals = max(ceil(length / record_interval - ON_GRID), 1)
         loop = LawOnPath(
             law,
@@ -205,7 +206,10 @@ def drive(
             records=np.minimum(record_interval * np.arange(intervals + 1), length),
             tolerance=FIT_TOLERANCE if tolerance is None else tolerance,
         )
-        return _solution(loop, law, motor, record_interval)
+        solution = _solution(loop, law, motor, record_interval)
+        if progress is not None:
+            progress(float(solution["time"][-1]))
+        return solution
     return simulate(
         motor,
         law,

@@ -428,9 +428,10 @@ def test_dahl_on_random_paths_is_its_closed_form_from_reversal_to_reversal(seed:
 def test_rigid_friction_behind_a_frame_is_a_jenkins_element(law: cl.ContactLaw) -> None:
     """A cycle of amplitude X loses 4 mu N (X - mu N/k), and sticks for as long as the spring turns over."""
     load, size, stiffness = 10.0, 1e-5, 1e6
-    path = {"normal": load, "slip": size * np.sin(TURN * TIME[:-1])}
+    path = {"normal": load, "slip": size * np.sin(TURN * TIME[:-1]), "progress": (reached := []).append}
     run = cl.drive(law, TIME[:-1], **path, period=DURATION, duration=3 * DURATION, frame_stiffness=stiffness)
     assert run.complete
+    assert reached == [pytest.approx(3 * DURATION)]
     loss = run["friction_loss"].values
     once = (loss.size - 1) // 3
     reach = 0.3 * load / stiffness
@@ -622,6 +623,7 @@ def test_a_load_point_that_rests_changes_nothing_of_rate_independent_friction(
         (HERTZ, {"frame_stiffness": 0.0}, "frame_stiffness"),
         (HERTZ, {"frame_stiffness": 1.0, "frame_damping": -1.0}, "frame_damping"),
         (HERTZ, {"frame_stiffness": 1.0, "gap": 1e-6}, "gap"),
+        (HERTZ, {"frame_stiffness": 1.0, "tolerance": 0.0}, "tolerance"),
     ],
 )
 def test_a_frame_of_another_kind_is_refused(law: cl.ContactLaw, frame: dict[str, float], key: str) -> None:

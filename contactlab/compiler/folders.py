@@ -21,32 +21,20 @@ OLD: Final = 30 * 86400.0
 
 
 def code_name() -> str:
-    """Return the name of a folder of the code of exactly these sources, but for comments and docstrings."""
+    """Return the name of a folder of the code of exactly these sources, but for their comments."""
     written = _sources()
     # Parsing takes half a second: a folder names the texts that it is known to be of.
     for parent in _parents():
         for known in parent.glob(f"{PREFIX}*/{_digest(written)}"):
             return known.parent.name
-    return f"{PREFIX}{_digest({name: _compiled(text) for name, text in written.items()})}"
+    trees = {name: ast.dump(ast.parse(text)).encode() for name, text in written.items()}
+    return f"{PREFIX}{_digest(trees)}"
 
 
 def _sources() -> dict[str, bytes]:
     """Return the texts of the sources by path."""
     paths = sorted(path for name in SOURCES for path in PACKAGE.glob(name))
     return {path.relative_to(PACKAGE).as_posix(): path.read_bytes() for path in paths}
-
-
-def _compiled(source: bytes) -> bytes:
-    """Return what is compiled of a source: its syntax tree, without constants that stand by themselves."""
-    tree = ast.parse(source)
-    for node in ast.walk(tree):
-        if isinstance(body := getattr(node, "body", None), list):
-            node.body = [  # type: ignore[attr-defined]
-                each
-                for each in body
-                if not (isinstance(each, ast.Expr) and isinstance(each.value, ast.Constant))
-            ]
-    return ast.dump(tree).encode()
 
 
 def _digest(parts: dict[str, bytes]) -> str:

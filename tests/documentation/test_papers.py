@@ -104,8 +104,8 @@ def test_nothing_is_written_where_a_section_is_missing(
     world(there=False)
     before = {name: (ROOT / name).read_bytes() for name in PAPERS}
     assert papers.main() == 1
-    told = capsys.readouterr().err
-    assert all(name in told for name in papers.NEEDED)
+    errors = capsys.readouterr().err
+    assert all(name in errors for name in papers.NEEDED)
     assert before == {name: (ROOT / name).read_bytes() for name in PAPERS}
 
 

@@ -75,7 +75,11 @@ class PathProblem(OverTime):
             of_law = [(item, x) for item, x in numbers if item.name not in FRAME]
             law = with_values(self.base, [item for item, _ in of_law], [x for _, x in of_law])
             frame = self.frame and self.frame.changed({x.name: y for x, y in numbers if x.name in FRAME})
-            forces = self._from_run(law) if (loop := _loop_of(self)) is None else _from_loop(loop, law, frame)
+            if (loop := _loop_of(self)) is None:
+                forces = self._from_run(law)
+            else:
+                # None where the contact does not stay closed.
+                forces = loop.path.forces.copy() if loop.run(law, frame)["ending"] == RUNNING else None
         # Values that are admitted one by one need not be so together.
         except (LawError, ValueError):
             return None
@@ -116,11 +120,6 @@ def _loop_of(problem: PathProblem) -> LawOnPath | None:
     return LawOnPath(
         problem.base, time, **path, degree=problem.degree, frame=problem.frame, instants=time - time[0]
     )
-
-
-def _from_loop(loop: LawOnPath, law: ContactLaw, frame: Frame | None) -> Array | None:
-    """Return the forces of a contact that stays closed, or None."""
-    return loop.path.forces.copy() if loop.run(law, frame)["ending"] == RUNNING else None
 
 
 def path_problem(
