@@ -54,7 +54,7 @@ SHEETS: Final = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 FITS: Final = 16
 """Fits of either kind whose intervals are counted."""
 
-MADE: Final = (("loop", 200), ("impacts", 200), ("points", 40))
+MADE: Final = (("loop", 200), ("impacts", 200), ("points", 64))
 """Kinds of data whose intervals by least squares are counted, and how many sets of each."""
 
 IMPACTS, NOISE = 60, 0.05

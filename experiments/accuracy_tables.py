@@ -84,7 +84,7 @@ def coverage() -> str:
 
 def intervals() -> str:
     """Return how many of the intervals of least squares hold the truth."""
-    kinds = {"loop": "forces on a path", "impacts": "impacts"}
+    kinds = {"loop": "forces on a path", "impacts": "impacts", "points": "operating points"}
     head = ("data", "sets", "number", "intervals with the truth in them", "expected")
     share, rows = ENDS[1] - ENDS[0], []
     for kind, title in kinds.items():

@@ -134,7 +134,7 @@ def made(start: str, *cases: tuple[Edits, bool | None]) -> None:
 
 def of_intervals(share: float, sets: int = 10_000) -> Edits:
     """Return how many of so many intervals of each number hold the truth."""
-    where = [f"accuracy|intervals of {kind}" for kind in ("loop", "impacts")]
+    where = [f"accuracy|intervals of {kind}" for kind in ("loop", "impacts", "points")]
     return {f"{x}|sets": sets for x in where} | {f"{x}|covered|*": round(share * sets) for x in where}
 
 
