@@ -11,8 +11,8 @@ import numpy as np
 import xarray
 from experiment import Experiment
 from law_contrasts import MOTORS, QUANTITIES, STATES, LawContrasts, computed
-from law_practice import LawPractice, practised
-from motor_population import GROUPS, LAWS, drawn
+from law_practice import FITTED, LawPractice, practised
+from motor_population import GROUPS, drawn
 from results_store import SAME
 
 import contactlab as cl
@@ -62,7 +62,7 @@ RUNS: Final = {
             LawPractice(),
             practised,
             ("number", "prediction_error", "start_time", "start_time_error"),
-            {"law": len(LAWS)},
+            {"law": len(FITTED)},
             lambda motor: int(motor["number"]),
         ),
     )

@@ -3,7 +3,7 @@
 import numpy as np
 import xarray
 from law_contrasts import CONTRASTS, POINTS, QUANTITIES, STATES, LawContrasts
-from law_practice import LawPractice
+from law_practice import FITTED, LawPractice
 from motor_population import GROUPS, KNOWN, LAWS, drawn
 
 import contactlab as cl
@@ -46,8 +46,8 @@ def data_of(count: int) -> xarray.Dataset:
 def practised_motors(count: int) -> list[xarray.Dataset]:
     """Return motors whose speed most laws predict within a tenth; the second has no `newton`."""
     rng = np.random.default_rng(8)
-    errors, starts = np.abs(0.1 * rng.standard_normal((count, len(LAWS)))), rng.random((count, len(LAWS)))
-    errors[1:2, LAWS.index("newton")] = np.nan
+    errors, starts = np.abs(0.1 * rng.standard_normal((count, len(FITTED)))), rng.random((count, len(FITTED)))
+    errors[1:2, FITTED.index("newton")] = np.nan
     return [
         xarray.Dataset(
             {
@@ -56,7 +56,7 @@ def practised_motors(count: int) -> list[xarray.Dataset]:
                 "start_time": ("law", starts[number]),
                 "start_time_error": ("law", 1e-6 * starts[number]),
             },
-            {"law": [*LAWS]},
+            {"law": [*FITTED]},
         )
         for number in range(count)
     ]
