@@ -61,7 +61,9 @@ BRIEF_LAWS: Final = ("poisson", TRUTH)
 
 
 def prediction_error(name: str, motor: Mapping[str, Any], speed: float, truth: Array) -> float:
-    """Return |ln| of predicted over true speed where no law was fitted, NaN where the law cannot be had.
+    """Return |ln| of predicted over true speed where no law was fitted, infinite where the motor stands.
+
+    It is NaN where the law cannot be had, or the truth stands or has no steady state at a point.
 
     Args:
         name: of the law.
@@ -71,7 +73,7 @@ def prediction_error(name: str, motor: Mapping[str, Any], speed: float, truth: A
     """
 
     def residuals(logarithms: Array) -> Array:
-        return np.nan_to_num(logarithms - truth[1:], nan=MISSED)
+        return np.nan_to_num(logarithms - truth[1:], nan=MISSED, neginf=-MISSED)
 
     def objective(known: KnownOrbits | None) -> Callable[[Array], Array]:
         return lambda values: residuals(
@@ -81,6 +83,8 @@ def prediction_error(name: str, motor: Mapping[str, Any], speed: float, truth: A
     def changed(values: Array) -> dict[str, float]:
         return dict(zip(FREE, values.tolist(), strict=True))
 
+    if not np.isfinite(truth).all():
+        return float("nan")
     start = [np.clip(motor[key], *bounds) for key, bounds in FREE.items()]
     bounds = np.transpose([*FREE.values()])
     try:
