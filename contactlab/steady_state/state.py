@@ -3,7 +3,6 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from math import isnan
 from typing import Final, final
 
 import numpy as np
@@ -131,7 +130,11 @@ class Steady:
                 error = max(error, self.closure * abs(float(self._rates("drive_work").mean())))
             return Estimate(mean, error)
         if name in OF_INTERVALS:
-            return self.mean(self.motion.series[name][1:])
+            mean, error = self.mean(self.motion.series[name][1:])
+            if name == "friction_force":
+                # Forward and backward parts may cancel; each of them has its error.
+                error = max(error, self.closure * self.average("normal_force").value)
+            return Estimate(mean, error)
         raise ValueError(
             f"{name} has no mean here; it must be one of {', '.join((*OF_INTERVALS, *CUMULATIVE))}. Take the "
             "mean of another from `curves`."
@@ -152,12 +155,8 @@ class Steady:
     @property
     def torque(self) -> Estimate:
         """Mean torque of the contact on the rotor, -R F, and its error [N m]; NaN of a flat contact."""
-        radius = lever_of(self.setup.motor.geometry.rotor_radius)
-        if isnan(radius):
-            return Estimate(radius, radius)
-        mean, error = self.mean(-radius * self.motion.series["friction_force"][1:])
-        # Forward and backward parts may cancel; each of them has its error.
-        return Estimate(mean, max(error, self.closure * radius * self.average("normal_force").value))
+        radius, force = lever_of(self.setup.motor.geometry.rotor_radius), self.average("friction_force")
+        return Estimate(-radius * force.value, radius * force.error)
 
     @property
     def impulse(self) -> Estimate:
