@@ -120,7 +120,7 @@ def test_a_whole_run_has_its_motors_in_their_order(name: str, tmp_path: Path) ->
 def test_a_motor_with_other_digits_is_refused(name: str, variable: str, tmp_path: Path) -> None:
     motors, run = MADE[name](4), RUNS[name]
     run.study.join(cl.build(), motors).to_netcdf(tmp_path / f"{name}.nc", engine="netcdf4")
-    again = motors[0].copy(deep=True)
+    again = motors[contrast_run.AGAIN].copy(deep=True)
     run = replace(run, compute=lambda _: Part(xarray.DataTree(again)))
     if variable:
         again[variable] *= 1.0 + 1e-6
