@@ -303,7 +303,7 @@ def practice() -> str:
         yield f"`{law}`"
         for scale, of in ((100.0, recorded_practice.errors_of), (1.0, recorded_practice.starts_of)):
             low, middle, high = (scale * x for x in of(law))
-            yield f"{middle:.2g} ({low:.2g} to {high:.2g})"
+            yield f"{middle:.3g} ({low:.3g} to {high:.3g})"
         yield f"{100 * own.value:.0f} ({100 * own.low:.0f} to {100 * own.high:.0f})"
 
     margin = 100 * recorded_practice.MARGIN
