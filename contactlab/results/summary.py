@@ -152,7 +152,7 @@ def _law(attributes: Mapping[Any, Any]) -> str:
     return f"{attributes['title'].removeprefix(TITLE)} ({', '.join(texts)})"
 
 
-def _rotor(root: Group, configuration: Mapping[str, Any], end: float) -> dict[str, str]:
+def _rotor(root: Mapping[Any, Column], configuration: Mapping[str, Any], end: float) -> dict[str, str]:
     """Return the rotor's velocity at the end [s] of a run; nothing of a flat contact, which turns none."""
     if isnan(lever_of(float(configuration["rotor"]["radius"]))):
         return {}

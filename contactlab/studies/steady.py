@@ -154,7 +154,7 @@ class Steady(Study):
         ending = f", with the rotor held at {about['belt']:.6g} rad/s" if "belt" in about else ""
         if isnan(number.value):
             # A flat contact has no lever.
-            force = float(data["friction_force"].values[1:].mean())
+            force = float(data.to_dataset()["friction_force"].values[1:].mean())
             value, meaning, ending = f"{force:.6g} N", "mean friction force on the body", ""
         sentences = [
             f"The {meaning} is {value}{ending}.",

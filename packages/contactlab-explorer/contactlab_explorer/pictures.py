@@ -81,7 +81,7 @@ def pictures(state: State, law: str, stop: Stop | None = None) -> dict[str, Any]
     series, impacts, powers = orbit.series(RECORDS), orbit.impacts, orbit.energy
     since, multipliers = impacts["phase"] - series["phase"][0], orbit.multipliers
     phase = series["phase"] - series["phase"][0]
-    drawn = {
+    of_orbit: dict[str, Any] = {
         "multipliers": points(multipliers.real, multipliers.imag),
         "energy": [[name.replace("_", " "), 1e3 * power] for name, power in powers.items()],
     }
@@ -92,13 +92,13 @@ def pictures(state: State, law: str, stop: Stop | None = None) -> dict[str, Any]
         if "point_tip" in series:
             said += f", {orbit.velocity.value:.5g} m/s"
         return {
-            **drawn,
+            **of_orbit,
             **_positions(setup, series, to_ms * phase),
             **_forces(setup, series, impacts, to_ms * phase, to_ms * since),
             "said": said,
         }
     return {
-        **drawn,
+        **of_orbit,
         "tip": points(1e6 * series["tip_tangential_displacement"], 1e6 * series["tip_normal_displacement"]),
         "gap": points(phase, 1e6 * series["gap"]),
         **_forces(setup, series, impacts, phase, since),
