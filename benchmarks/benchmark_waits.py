@@ -1,10 +1,11 @@
 """What users wait for: processor time of commands, first runs, records, motors and batches.
 
-    python benchmarks/benchmark_waits.py [repeats] [--other PYTHON] [--only TEXT] [--keep]
+    python benchmarks/benchmark_waits.py [repeats] [--other PYTHON]... [--only TEXT] [--keep]
 
 Every row is a process of its own, timed from outside (user and system time with its children), the median of
-some repeats. With another environment's interpreter, as that of an earlier version, both run in turn, and the
-ratio is that of the medians. Commands are warm; *first run* begins with an empty folder of compiled code.
+some repeats. With other environments' interpreters, as those of earlier versions, all run in turn, and a
+ratio is that of the medians, this version's over another's; a row that another cannot run is not a number.
+Commands are warm; *first run* begins with an empty folder of compiled code.
 `--keep` puts the rows into waits.csv, from which experiments/results_pages.py writes docs/accuracy.md. A page
 has differences of two rows, without what a process does once: it starts, and loads compiled code.
 """
@@ -16,6 +17,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+from math import nan
 from pathlib import Path
 from statistics import median
 
@@ -73,7 +75,10 @@ def rows() -> dict[str, list[str]]:
 
 
 def seconds(python: str, name: str, arguments: list[str], folder: str) -> float:
-    """Return the processor time of a process [s]; a sweep or a comparison is run anew."""
+    """Return the processor time of a process [s]; a sweep or a comparison is run anew.
+
+    An earlier version may lack what a row asks of it: then the time is not a number.
+    """
     environment = dict(os.environ)
     if name.startswith("first run"):
         environment["NUMBA_CACHE_DIR"] = tempfile.mkdtemp(dir=folder)
@@ -84,6 +89,8 @@ def seconds(python: str, name: str, arguments: list[str], folder: str) -> float:
         [python, *arguments], cwd=folder, env=environment, capture_output=True, text=True, check=False
     )
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    if done.returncode and python != sys.executable:
+        return nan
     if done.returncode:
         raise RuntimeError(f"{name}: {done.stderr[-500:]}")
     return after.ru_utime - before.ru_utime + after.ru_stime - before.ru_stime
@@ -107,12 +114,12 @@ def main() -> None:
     """Print the table."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("repeats", nargs="?", type=int, default=3)
-    parser.add_argument("--other", help="interpreter of another environment")
+    parser.add_argument("--other", action="append", default=[], help="interpreter of another environment")
     parser.add_argument("--only", default="", help="rows whose names contain this")
     parser.add_argument("--keep", action="store_true", help=f"put the rows into {KEPT.name}")
     arguments = parser.parse_args()
     measured: dict[str, float] = {}
-    pythons = [sys.executable, *([arguments.other] if arguments.other else [])]
+    pythons = [sys.executable, *arguments.other]
     with tempfile.TemporaryDirectory() as root:
         folders = [tempfile.mkdtemp(dir=root) for _ in pythons]
         for name, line in rows().items():
@@ -127,9 +134,9 @@ def main() -> None:
                     if repeat or cold:
                         times.append(spent)
             figures = [median(times) for times in taken]
-            ratio = f"  {figures[0] / figures[1]:6.3f}" if len(figures) > 1 else ""
+            ratios = "".join(f"  {figures[0] / other:6.3f}" for other in figures[1:])
             measured[name] = figures[0]
-            print(f"{name:35}" + "".join(f"{figure:9.2f} s" for figure in figures) + ratio, flush=True)
+            print(f"{name:35}" + "".join(f"{figure:9.2f} s" for figure in figures) + ratios, flush=True)
     if arguments.keep:
         keep(measured)
 

@@ -1,12 +1,13 @@
-"""How the largest jobs grow: Dask workers, cells of a sweep, records, seconds of motor, laws of one page.
+"""How the largest jobs grow: Dask workers, sweeps and their cells, records, seconds of motor, laws of a page.
 
-    python benchmarks/scale.py [--load SECONDS] [--cells N] [--output CSV]
+    python benchmarks/scale.py [--load SECONDS] [--cells N] [--only TEXT] [--output CSV]
 
 The table of docs/howto/sweep.md is `--output benchmarks/scale.csv`.
 
 Load is simulated where the runs themselves are not the question: a task of the workers sleeps, so that more
 workers than processors measure what the scheduler and contactlab add; a cell of the sweep has numbers
-at once. The sweep of cells, the runs and the page are a process each, whose greatest memory is given.
+at once. Each job is a process of its own, whose greatest memory, or that of a process it starts, is given.
+With `--only` the jobs are those whose names contain the text, and rows of the table take the place of theirs.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import tempfile
 from collections.abc import Callable, Iterable, Mapping
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import get_context
 from pathlib import Path
 from time import perf_counter, process_time, sleep
@@ -43,7 +45,27 @@ RUNS = {
 }
 """Overrides of runs, by what they are."""
 
-HEADS = {"what": "job", "wall_s": "wall (s)", "processor_s": "processor (s)", "memory_MB": "memory (MB)"}
+SWEEPS = {
+    "100 000 runs of 2 ms": [
+        "-m",
+        "drive.phase=linspace(-3,3,100000)",
+        "solver.duration=2e-3",
+        "sweep.keep=metrics",
+    ],
+    "10 000 steady states": ["steady", "-m", "drive.phase=linspace(-3,3,10000)", "sweep.keep=metrics"],
+}
+"""Arguments of sweeps of the default motor, by what they are."""
+
+BY = {"1 worker": (1, False), "2 workers": (2, False), "2 Dask workers": (2, True)}
+"""Who does a sweep: how many processes, and whether a Dask scheduler gives them their tasks."""
+
+JOB = "job"
+HEADS = {
+    "wall_s": "wall (s)",
+    "efficiency": "efficiency",
+    "processor_s": "processor (s)",
+    "memory_MB": "memory (MB)",
+}
 
 LAWS_OF_A_PAGE = 30
 NORMALS = "hertz_point", "linear", "jkr", "lining", "prony"
@@ -81,21 +103,19 @@ class Sleeping(Study):
         return {}
 
 
-def by_workers(load: float) -> Iterable[dict[str, Any]]:
-    """Yield how much of each number of Dask workers' time is load."""
+def dask_load(count: int, load: float) -> dict[str, float]:
+    """Return how much of some Dask workers' time is load."""
     from distributed import LocalCluster
 
-    for count in WORKERS:
-        with LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster:
-            address = cluster.scheduler_address
-            # Workers import contactlab with their first task.
-            run(Sleeping(seconds=2.0, count=2 * count, scheduler=address), {})
-            study = Sleeping(seconds=load, count=TASKS_OF_A_WORKER * count, scheduler=address)
-            start = perf_counter()
-            run(study, {})
-            wall = perf_counter() - start
-        yield {"what": f"{count} Dask worker{'s' * (count > 1)}, tasks of {load:g} s", "wall_s": wall,
-               "efficiency": TASKS_OF_A_WORKER * load / wall}  # fmt: skip
+    with LocalCluster(n_workers=count, threads_per_worker=1, dashboard_address=None) as cluster:
+        address = cluster.scheduler_address
+        # Workers import contactlab with their first task.
+        run(Sleeping(seconds=2.0, count=2 * count, scheduler=address), {})
+        study = Sleeping(seconds=load, count=TASKS_OF_A_WORKER * count, scheduler=address)
+        start = perf_counter()
+        run(study, {})
+        wall = perf_counter() - start
+    return {"wall_s": wall, "efficiency": TASKS_OF_A_WORKER * load / wall}
 
 
 def at_once(*_: object) -> Outcome:
@@ -132,8 +152,20 @@ def page(count: int) -> None:
 def command(*arguments: str) -> None:
     """Run the command, in a folder that is removed afterwards."""
     with tempfile.TemporaryDirectory() as folder:
-        line = [sys.executable, "-m", "contactlab", *arguments, f"hydra.run.dir={folder}/run"]
+        places = [f"hydra.run.dir={folder}/run", f"hydra.sweep.dir={folder}/sweep"]
+        line = [sys.executable, "-m", "contactlab", *arguments, *places]
         subprocess.run(line, check=True, stdout=subprocess.DEVNULL)
+
+
+def whole_sweep(line: list[str], workers: int, dask: bool) -> None:
+    """Run every cell of a sweep by some processes, with or without a Dask scheduler that gives them tasks."""
+    if not dask:
+        command(*line, f"sweep.workers={workers}")
+        return
+    from distributed import LocalCluster
+
+    with LocalCluster(n_workers=workers, threads_per_worker=1, dashboard_address=None) as cluster:
+        command(*line, f"study.scheduler={cluster.scheduler_address}")
 
 
 def measured(task: Callable[..., object], *arguments: Any) -> dict[str, float]:
@@ -160,25 +192,36 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
     parser.add_argument("--load", type=float, default=0.2)
     parser.add_argument("--cells", type=int, default=1_000_000)
+    parser.add_argument("--only", default="", help="jobs whose names contain this")
     parser.add_argument("--output", type=Path)
     options = parser.parse_args()
-    rows = []
-
-    def added(row: dict[str, Any]) -> None:
-        rows.append(row)
-        numbers = ", ".join(f"{name} {value:.3g}" for name, value in row.items() if name != "what")
-        print(f"{row['what']}: {numbers}", flush=True)
-
-    for row in by_workers(options.load):
-        added(row)
+    jobs: dict[str, Callable[[], Mapping[str, float]]] = {
+        f"{count} Dask worker{'s' * (count > 1)}, tasks of {options.load:g} s": partial(
+            dask_load, count, options.load
+        )
+        for count in WORKERS
+    }
     for count in (options.cells // 100, options.cells // 10, options.cells):
-        added({"what": f"sweep of {count} cells, without its runs"} | alone(cells, count))
+        jobs[f"sweep of {count} cells, without its runs"] = partial(alone, cells, count)
+    for what, line in SWEEPS.items():
+        for who, processes in BY.items():
+            jobs[f"sweep of {what}, {who}"] = partial(alone, whole_sweep, line, *processes)
     for what, values in RUNS.items():
-        added({"what": what} | alone(command, *values))
-    added({"what": f"page of {LAWS_OF_A_PAGE} laws, 4 draws"} | alone(page, LAWS_OF_A_PAGE))
+        jobs[what] = partial(alone, command, *values)
+    jobs[f"page of {LAWS_OF_A_PAGE} laws, 4 draws"] = partial(alone, page, LAWS_OF_A_PAGE)
+    rows = {}
+    for what, job in jobs.items():
+        if options.only in what:
+            rows[what] = job()
+            print(
+                f"{what}: " + ", ".join(f"{name} {value:.3g}" for name, value in rows[what].items()),
+                flush=True,
+            )
     if options.output:
-        table = pd.DataFrame(rows).rename(columns=HEADS)
-        table.to_csv(options.output, index=False, float_format="%.3g")
+        kept = pd.read_csv(options.output, index_col=JOB) if options.output.exists() else pd.DataFrame()
+        table = pd.DataFrame.from_dict(rows, orient="index").rename(columns=HEADS).combine_first(kept)
+        ordered = table.loc[[what for what in jobs if what in table.index], [*HEADS.values()]]
+        ordered.to_csv(options.output, index_label=JOB, float_format="%.3g")
 
 
 if __name__ == "__main__":

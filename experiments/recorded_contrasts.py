@@ -15,6 +15,9 @@ LONG: Final = "law_contrasts"
 
 SPEED: Final = "rotor_velocity"
 
+SPOKEN: Final = {SPEED: "speed", "stall_torque": "torque"}
+"""Words for the quantities of which contrasts are recorded by motor."""
+
 CONCLUSIONS: Final = {
     "catalogue": ("from a catalogue", "a design needs the law"),
     "bench": ("on a bench", "a motor of measured parts needs the law"),
@@ -89,9 +92,13 @@ def standing_out() -> bool | None:
     return some(less(chance(), each) for each in interactions(*differences()))
 
 
-def outstanding() -> int:
-    """Return how many contrasts of laws, each in two quantities, have a share above chance."""
-    return sum(less(chance(), each) is True for each in interactions(*differences()))
+def outstanding() -> list[str]:
+    """Return the contrasts of laws with a share above chance, each with the quantities that have it."""
+    named = {
+        name: [spoken for key, spoken in SPOKEN.items() if less(chance(), interaction(name, key)) is True]
+        for name in differences()
+    }
+    return [f"*{name}* in {' and '.join(own)}" for name, own in named.items() if own]
 
 
 def largest_interaction() -> Number:

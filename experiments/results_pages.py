@@ -150,8 +150,8 @@ def of_page(name: str) -> list[Statement]:
 
 
 WORD = r"\S+?"
-FEW_WORDS = rf"{WORD}(?:(?: +| *\n *){WORD}){{0,5}}?"
-"""A number, and one with its error or the name of a factor."""
+FEW_WORDS, MANY_WORDS = (rf"{WORD}(?:(?: +| *\n *){WORD}){{0,{most}}}?" for most in (5, 60))
+"""A number, and one with its error or the name of a factor; and a list of names."""
 
 
 def pattern(template: str) -> re.Pattern[str]:
@@ -161,7 +161,8 @@ def pattern(template: str) -> re.Pattern[str]:
         parts.append(re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal)))
         if field is not None:
             # Where a sentence begins with a number, what stands before it is not its own.
-            parts.append(FEW_WORDS if "".join(parts) else WORD)
+            words = MANY_WORDS if "join(" in field else FEW_WORDS
+            parts.append(words if "".join(parts) else WORD)
     return re.compile("".join(parts) + r"(?!\d)")
 
 
