@@ -181,18 +181,24 @@ IMPACTS: Final = {
 PATHS: Final = EngineUnit(path_loop, "laws on paths", 5.0, 7.0)
 
 
+_path_types: Final[dict[tuple[object, ...], Any]] = {}
+
+
 def path_loop_of(bound: Bound, path: Path) -> Callable[..., None]:
     """Return the function of a path and a law's kernels; compile it where it is new.
 
     A path is of the types alone that are to come.
     """
     if not INTERPRETED:
-        signature = Signature(PATHS.kernel, types.void(numba.typeof(path), *_kernel_types(bound)))
-        with telling(
-            "" if signature.is_there() else name_of([PATHS], bound.plain),
-            PATHS.seconds if bound.plain else PATHS.seconds_with_variables,
-        ):
-            signature.compile()
+        # The compiler makes the types of records of many fields anew each time, which takes as long as a path.
+        room = tuple((each.dtype, each.ndim, each.flags.c_contiguous, each.flags.writeable) for each in path)
+        if room not in _path_types:
+            _path_types[room] = numba.typeof(path)
+        signature = Signature(PATHS.kernel, types.void(_path_types[room], *_kernel_types(bound)))
+        if not signature.is_there():
+            seconds = PATHS.seconds if bound.plain else PATHS.seconds_with_variables
+            with telling(name_of([PATHS], bound.plain), seconds):
+                signature.compile()
     return path_loop
 
 

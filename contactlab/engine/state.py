@@ -84,8 +84,8 @@ def record(*parts: object, real: str = "", whole: str = "") -> np.dtype[Any]:
 
 def new_record(kind: np.dtype[Any], **values: object) -> Any:
     """Make a record, zero but for some values; its fields are attributes, as they are in kernels."""
-    # NumPy makes zeros of a record field by field.
-    made = np.frombuffer(bytearray(kind.itemsize), kind)
+    # NumPy makes zeros of a record field by field; of bytes, it leaves to the machine what is never touched.
+    made = np.frombuffer(np.zeros(kind.itemsize, np.uint8), kind)
     for name, value in values.items():
         made[name] = value
     return made[0]

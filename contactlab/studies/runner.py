@@ -21,7 +21,7 @@ from multiprocessing import parent_process
 from pathlib import Path
 from pickle import PicklingError, dumps
 from time import process_time
-from typing import Any, Protocol, final
+from typing import Any, ClassVar, Protocol, final
 from urllib.parse import urlsplit
 
 import xarray
@@ -73,25 +73,37 @@ class RemovedError(OSError):
 
 @final
 class Parts(Mapping[str, xarray.DataTree]):
-    """Data of the finished tasks by key, in the order of the tasks; those in a folder are read one by one."""
+    """Data of the finished tasks by key, in the order of the tasks; those in a folder are read one by one.
+
+    The first `HELD` bytes that are read stay in memory: a study may ask for all of them at each of its looks.
+    """
+
+    HELD: ClassVar[int] = 2**26
 
     def __init__(self, keys: Iterable[str]) -> None:
         self._places: dict[str, Part | Path | None] = dict.fromkeys(keys)
+        self._read: dict[str, xarray.DataTree] = {}
+        self._held = 0
 
     def put(self, key: str, place: Part | Path) -> None:
         """Add a part, or the file that contains it."""
         self._places[key] = place
 
     def __getitem__(self, key: str) -> xarray.DataTree:
+        if key in self._read:
+            return self._read[key].copy(deep=True)
         match self._places[key]:
             case Part() as part:
                 return part.data
             case Path() as file:
                 try:
                     with xarray.open_datatree(file, engine="netcdf4") as tree:
-                        return tree.load()
+                        data = tree.load()
                 except FileNotFoundError as error:
                     raise RemovedError(*error.args) from error
+                if self._held + data.nbytes <= self.HELD:
+                    self._read[key], self._held = data.copy(deep=True), self._held + data.nbytes
+                return data
         raise KeyError(key)
 
     def add(self, others: "Parts") -> None:

@@ -6,10 +6,11 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import pytest
+import xarray
 from support.slow_study import run_by_workers
 
 import contactlab as cl
-from contactlab.studies.runner import TASKS, Store
+from contactlab.studies.runner import TASKS, Parts, RemovedError, Store
 from contactlab.studies.steady import Steady
 from contactlab.studies.study import Task
 
@@ -52,3 +53,18 @@ def test_a_process_of_multiprocessing_ends_with_its_study() -> None:
     status = process.exitcode
     process.kill()
     assert status == 0
+
+
+def test_data_that_stay_in_memory_are_those_of_the_file_whatever_a_reader_did_to_them(tmp_path: Path) -> None:
+    parts = Parts(["small", "large"])
+    for key, count in {"small": 2, "large": Parts.HELD // 8 + 1}.items():
+        file = tmp_path / f"{key}.nc"
+        xarray.DataTree(xarray.Dataset({"x": ("n", [1.0] * count)})).to_netcdf(file)
+        parts.put(key, file)
+        parts[key]["x"].values[:] = 0.0
+        parts[key]["x"].values[:] = 0.0
+        file.unlink()
+    assert parts["small"]["x"].values.tolist() == [1.0, 1.0]
+    # What is too large to stay is read anew.
+    with pytest.raises(RemovedError):
+        parts["large"]
