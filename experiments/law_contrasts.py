@@ -195,7 +195,7 @@ def log_speeds(
         ValueError: the motor cannot have the law.
     """
     # No law depends on the voltages.
-    law, logarithms = law_at(name, motor, motor_of(motor), speed), []
+    law, speeds = law_at(name, motor, motor_of(motor), speed), []
     for number, scale in enumerate(points):
         setup = steady_setup(begun(motor_of(motor, scale), law), law)
         try:
@@ -203,10 +203,11 @@ def log_speeds(
                 state = steady(setup, longest=LONGEST)
             else:
                 state = known.steady(number, values, setup, longest=LONGEST)
-            logarithms.append(np.log(abs(state.velocity.value)))
+            speeds.append(abs(state.velocity.value))
         except (BrokenOffError, NotSettledError):
-            logarithms.append(np.nan)
-    return np.array(logarithms)
+            speeds.append(np.nan)
+    with np.errstate(divide="ignore"):
+        return np.asarray(np.log(speeds))
 
 
 def begin(number: int) -> tuple[dict[str, Any], cl.Motor, float]:

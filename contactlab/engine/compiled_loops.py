@@ -190,7 +190,7 @@ def path_loop_of(bound: Bound, path: Path) -> Callable[..., None]:
     A path is of the types alone that are to come.
     """
     if not INTERPRETED:
-        # The compiler makes the type of a record of many fields anew each time, which takes as long as a path.
+        # The compiler makes the type of a record anew each time, which takes as long as a path.
         room = tuple((each.dtype, each.ndim, each.flags.c_contiguous, each.flags.writeable) for each in path)
         if room not in _path_types:
             _path_types[room] = numba.typeof(path)
