@@ -181,7 +181,9 @@ def log_speeds(
     known: KnownOrbits | None = None,
     values: Array | None = None,
 ) -> Array:
-    """Return ln |speed| of a motor under a law at operating points, NaN where it has no steady state.
+    """Return ln |speed| of a motor under a law at operating points, NaN where it never settles.
+
+    Where it stands that is minus infinity.
 
     Args:
         name: of the law.
