@@ -34,14 +34,14 @@ CHARTS: Final[dict[str, dict[str, Axis]]] = {
         "force": ("time (periods of the drive)", "normal force (N)"),
         "approach": ("time (ms)", "rotor velocity (rad/s)"),
         "multipliers": ("Floquet multipliers, real", "imaginary"),
-        "energy": ("", "mean power (mW)"),
+        "energy": ("mean power (mW)", ""),
     },
     "plant": {
         "position": ("time (ms)", "position (um), support dashed"),
         "gap": ("time (ms)", "gap (um)"),
         "force": ("time (ms)", "normal force (N)"),
         "multipliers": ("Floquet multipliers, real", "imaginary"),
-        "energy": ("", "mean power (mW)"),
+        "energy": ("mean power (mW)", ""),
     },
     "path": {"loop": ("slip (um)", "friction force (N)")},
     "impact": {
@@ -81,7 +81,9 @@ def chart(name: str, x: str, y: str) -> ui.echart:
         second = {"name": "impulse of an impact (uN s)", "nameGap": 40, "position": "right", "min": 0}
         options["yAxis"].append({"type": "value", **axis, **second, "splitLine": {"show": False}})
     if name == "energy":
-        options["xAxis"] = {"type": "category", "axisLabel": {"interval": 0, "fontSize": 10, **grey}}
+        # Names stand one below the other: side by side they would overlap on a narrow screen.
+        options["grid"]["left"] = 90
+        options["yAxis"] = [{"type": "category", "inverse": True, "axisLabel": {"interval": 0, **grey}}]
     if name in ("restitution", "contact_time"):
         options["xAxis"]["type"] = "log"
     return ui.echart(options).classes("w-full h-64").props(f'data-chart="{name}"')
@@ -93,7 +95,7 @@ def series_of(name: str, picture: dict[str, Any], law: str, colour: str) -> list
     if name not in picture:
         return []
     if name == "energy":
-        return [{**common, "type": "bar", "data": picture[name]}]
+        return [{**common, "type": "bar", "data": [[power, flow] for flow, power in picture[name]]}]
     if name == "multipliers":
         return [{**common, "type": "scatter", "symbolSize": 7, "data": picture[name]}]
     drawn = [{**common, "type": "line", "showSymbol": False, "data": picture[name]}]
