@@ -52,7 +52,13 @@ SWEEPS = {
         "solver.duration=2e-3",
         "sweep.keep=metrics",
     ],
-    "10 000 steady states": ["steady", "-m", "drive.phase=linspace(-3,3,10000)", "sweep.keep=metrics"],
+    "10 000 steady states": [
+        "steady",
+        "-m",
+        "study.refine=false",
+        "drive.phase=linspace(-3,3,10000)",
+        "sweep.keep=metrics",
+    ],
 }
 """Arguments of sweeps of the default motor, by what they are."""
 
