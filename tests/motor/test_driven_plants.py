@@ -164,6 +164,19 @@ def test_the_force_of_a_driven_tip_on_a_held_slider_is_that_of_its_slip(belt: fl
     assert_allclose(held.torque.value, MU * weight * (2.0 * share - 1.0), rtol=3e-6)
 
 
+def test_a_slider_that_is_laid_on_a_hertzian_tip_bounces_in_stick_as_long_as_it_likes() -> None:
+    """W d = 2/5 K d^(5/2): it comes back to a contact without force, and its slip is round-off all the way."""
+    weight, law = 1.0, cl.HertzPenalty()
+    slider = cl.slider(tip=cl.Sawtooth(), weight=weight)
+    run = cl.simulate(slider, law, duration=0.02)
+    assert run.complete, run.message
+    assert law.stiffness is not None
+    deepest = (2.5 * weight / law.stiffness) ** (2.0 / 3.0)
+    # The slider is round by x^2 / 2 m.
+    assert_allclose(run.contacts["max_penetration"], deepest, rtol=1e-5)
+    assert abs(run["energy_residual"]).max() < 1e-9 * weight * deepest
+
+
 def test_impacts_on_a_driven_tip_take_their_work_from_its_drive() -> None:
     mass, height = 0.1, 1e-6
     slider = cl.slider(mass, weight=0.5, tip=cl.Sawtooth("1 um", "1 kHz", rise=0.8), velocity=6e-4)
