@@ -151,6 +151,21 @@ def test_a_contact_that_goes_on_over_another_belt_slides_until_it_has_its_veloci
     assert abs(run.series["energy_residual"]).max() < 1e-10
 
 
+def test_a_slider_goes_on_under_a_faster_tip_by_its_friction() -> None:
+    """The tip of the second motor is twice as fast from its start on: v = v_1 + mu N t / m."""
+    mass, weight, period = 0.1, 5.0, 1e-3
+    slow, fast = (
+        cl.slider(mass, weight=weight, tip=cl.Sawtooth(stroke, 1.0 / period, rise=0.8), velocity=1.25e-3)
+        for stroke in (1e-6, 2e-6)
+    )
+    first = simulate(slow, RIGID, duration=2.0 * period, record_interval=period)
+    assert first.contact_mode[-1] == 2
+    run = simulate(fast, RIGID, duration=0.35 * period, record_interval=1e-5, start=first.state)
+    time = run.time - run.time[0]
+    expected = np.minimum(1.25e-3 + MU * weight / mass * time, 2.5e-3)
+    assert_allclose(run.series["rotor_velocity"], expected, rtol=1e-6)
+
+
 @pytest.mark.parametrize("belt", [0.0, 5e-4])
 def test_the_force_of_a_driven_tip_on_a_held_slider_is_that_of_its_slip(belt: float) -> None:
     """mu N (2 p - 1) with the share p of the period in which the tip is faster, stick or not before."""
