@@ -110,8 +110,7 @@ def step_rigid(run: Run, law: Law) -> int:
         flies = apply_impact(run, law, rate, slip)
         if flies or state.ending != RUNNING:
             return _at_once(run, RELEASE if flies else NOTHING)
-    if state.mode == STICK and state.impulse_scale == 0.0 and contact.duration > 0.0:
-        _part_from_stick(run, law, slip)
+    _part_from_stick(run, law, slip)
     known = _start(run, law)
     if state.ending != RUNNING or known.normal <= 0.0:
         return _at_once(run, RELEASE if state.ending == RUNNING else NOTHING)
@@ -163,10 +162,14 @@ def _part_from_stick(run: Run, law: Law, slip: float) -> None:
     Another run has begun in it, or a prescribed velocity has jumped. Nothing approaches, so that there is no
     normal impulse to bound one of friction, and none that stops the slip (eq. 4.5).
     """
+    state = run.state
+    # Nothing scales the errors yet of a contact that has begun elsewhere.
+    if state.mode != STICK or state.impulse_scale != 0.0 or state.contact.duration == 0.0:
+        return
     d_nn, d_nt, d_tt = matrix_of(run, contact_at(run.plant, START))
     a_n, a_t = free_accelerations(run, START, 0.0)
     normal, _ = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
-    left = d_tt * run.state.tolerance * _momentum(run, law, max(normal, 0.0))
+    left = d_tt * state.tolerance * _momentum(run, law, max(normal, 0.0))
     if abs(slip) > max(left, SLIP_ROUND_OFF):
         become(run, law, SLIP, slip)
 

@@ -258,9 +258,8 @@ def correct_friction(
             size = max(size, abs(step.memory[i, 0]))
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     push_nodes(run)
-    if rests:
-        # What is left of the slip has no digits: a light load would not outweigh its round-off over the step.
-        most = 0.0
+    # What is left of the slip has no digits: a light load would not outweigh its round-off over the step.
+    most = 0.0 if rests else most
     if not holds:
         for i in range(NODES):
             state.internal_rate.node[i] = _internal_rate(run, i)

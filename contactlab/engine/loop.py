@@ -113,7 +113,7 @@ def _opens_step(run: Run, law: Law, waves: Array) -> bool:
     ended = state.time == state.piece_end and state.mode == STICK and state.law.constrained != 0
     begin(run, waves)
     if ended and abs(contact_at(run.plant, START)[2]) > SLIP_ROUND_OFF:
-        # A prescribed velocity may jump where a piece of its path ends: the contact goes on as in another run.
+        # A prescribed velocity may jump where a piece of its path ends: the contact goes on as in a new run.
         state.impulse_scale = 0.0
     if state.phase != TOUCHING or state.law.compliant != 0 or state.law.constrained != 0:
         # Beyond its end a piece says nothing; a rigid contact's step is as short as its error wants it.

@@ -173,14 +173,14 @@ def test_the_force_of_a_driven_tip_on_a_held_slider_is_that_of_its_slip(belt: fl
     free = cl.slider(tip=cl.Sawtooth(stroke, frequency, rise=rise, corner=corner), weight=weight)
     up, down = stroke * frequency / rise, stroke * frequency / (1.0 - rise)
     share = rise - corner + 2.0 * corner * (up - belt) / (up + down)
-    # The motion that is held goes on from a stick at another velocity.
-    held = cl.steady(free, RIGID, belt=belt, start=cl.steady(free, RIGID))
+    # The motion under a prescribed velocity goes on from a stick at another one.
+    state = cl.steady(free, RIGID, belt=belt, start=cl.steady(free, RIGID))
     # The slider is round by x^2 / 2 m: its normal force by 1e-6.
-    assert_allclose(held.torque.value, MU * weight * (2.0 * share - 1.0), rtol=3e-6)
+    assert_allclose(state.torque.value, MU * weight * (2.0 * share - 1.0), rtol=3e-6)
 
 
 def test_a_slider_that_is_laid_on_a_hertzian_tip_bounces_in_stick_as_long_as_it_likes() -> None:
-    """W d = 2/5 K d^(5/2): it comes back to a contact without force, and its slip is round-off all the way."""
+    """W d = 2/5 K d^(5/2): it comes back to a contact without force, and its slip is round-off."""
     weight, law = 1.0, cl.HertzPenalty()
     slider = cl.slider(tip=cl.Sawtooth(), weight=weight)
     run = cl.simulate(slider, law, duration=0.02)
