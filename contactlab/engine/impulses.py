@@ -173,7 +173,7 @@ def apply_impact(run: Run, law: Law, rate: float, slip: float) -> bool:
 
 @inner_kernel
 def settle(run: Run, holds: bool) -> Contact:
-    """Take from the step's start what location and collocation left of gap and rate and, if it `holds`, of slip.
+    """Take from the step's start what is left of gap, gap rate and, if the contact `holds` it, slip.
 
     It is along the gradient, by the masses, as the paper's corrector (eq. 57). What changes the rates are
     impulses of the contact: a slip that is located up to SLIP_ROUND_OFF turns the rotor as it ends. A contact
