@@ -110,6 +110,7 @@ def step_rigid(run: Run, law: Law) -> int:
         flies = apply_impact(run, law, rate, slip)
         if flies or state.ending != RUNNING:
             return _at_once(run, RELEASE if flies else NOTHING)
+    _part_from_stick(run, law, slip)
     known = _start(run, law)
     if state.ending != RUNNING or known.normal <= 0.0:
         return _at_once(run, RELEASE if state.ending == RUNNING else NOTHING)
@@ -152,6 +153,25 @@ def _momentum(run: Run, law: Law, normal: float) -> float:
     # closer normal and tangential answers are to the same one.
     magnified = d_nn * (d_nn + d_tt) / (d_nn * d_tt - d_nt * d_nt)
     return float(scale * max(1.0, IMPULSE_ROUND_OFF / state.tolerance * magnified))
+
+
+@inner_kernel
+def _part_from_stick(run: Run, law: Law, slip: float) -> None:
+    """Let a contact that goes on in stick slide where it has more slip [m/s] than steps leave.
+
+    Another run has begun in it, or a prescribed velocity has jumped. Nothing approaches, so that there is no
+    normal impulse to bound one of friction, and none that stops the slip (eq. 4.5).
+    """
+    state = run.state
+    # Nothing scales the errors yet of a contact that has begun elsewhere.
+    if state.mode != STICK or state.impulse_scale != 0.0 or state.contact.duration == 0.0:
+        return
+    d_nn, d_nt, d_tt = matrix_of(run, contact_at(run.plant, START))
+    a_n, a_t = free_accelerations(run, START, 0.0)
+    normal, _ = stick_impulse(a_n, a_t, d_nn, d_nt, d_tt)
+    left = d_tt * state.tolerance * _momentum(run, law, max(normal, 0.0))
+    if abs(slip) > max(left, SLIP_ROUND_OFF):
+        become(run, law, SLIP, slip)
 
 
 @inner_kernel
@@ -218,6 +238,22 @@ def _sticks(run: Run, law: Law, normal: float, friction: float, d: Matrix) -> bo
 
 
 @inner_kernel
+def _passes_zero(run: Run, law: Law) -> bool:
+    """Return whether a slip that is located at zero goes on beyond it, as friction cannot hold it there.
+
+    What location has left of it is then no impulse: on a heavy rotor it would be one far outside of the cone.
+    """
+    frame = contact_at(run.plant, START)
+    if abs(frame[2]) > SLIP_ROUND_OFF:
+        return False
+    d = matrix_of(run, frame)
+    a_n, a_t = free_accelerations(run, START, 0.0)
+    recall_start(run, law)
+    normal, friction = stick_impulse(a_n, a_t, d[0], d[1], d[2])
+    return not _sticks(run, law, normal, friction, d)
+
+
+@inner_kernel
 def _start(run: Run, law: Law) -> Multipliers:
     """Return the forces where the step begins, a normal force of zero where the contact opens; sets mode.
 
@@ -227,7 +263,7 @@ def _start(run: Run, law: Law) -> Multipliers:
     # Twice at most: an impact that stops a slip (Painleve) leaves a contact that sticks or slides the other
     # way.
     for _ in range(2):
-        frame = settle(run)
+        frame = settle(run, state.mode == STICK and not _passes_zero(run, law))
         d = matrix_of(run, frame)
         d_nn, d_nt, d_tt = d
         # Eq. 4.13: the multipliers where the step starts are those of the accelerations without contact.

@@ -219,7 +219,7 @@ def correct_friction(
     state, step = run.state, run.step
     size, noise, flowed, most = abs(state.memory[0]), 0.0, 0.0, 0.0
     h, system, derivative = state.length, step.system, run.propagator.rule.derivative
-    right = NODES if holds else 2 * NODES
+    right, rests = NODES if holds else 2 * NODES, holds
     for m in range(NODES):
         column = mobilities(run, level, m)
         for i in range(NODES):
@@ -228,6 +228,7 @@ def correct_friction(
         if holds:
             # Eq. 3.7: friction that ends the slip at every node.
             system[i, right] = kept - step.slip[i]
+            rests = rests and abs(system[i, right]) <= slip_digits(run, i)
             continue
         # Eq. 3.9: the law's friction and the rate of its variable, both at once.
         f, g, f_v, f_z, g_v, g_z = _derivatives(run, law, i, least)
@@ -257,6 +258,8 @@ def correct_friction(
             size = max(size, abs(step.memory[i, 0]))
         most = max(most, abs(change)) if holds or np.isfinite(change) else np.inf
     push_nodes(run)
+    # What is left of the slip has no digits: a light load would not outweigh its round-off over the step.
+    most = 0.0 if rests else most
     if not holds:
         for i in range(NODES):
             state.internal_rate.node[i] = _internal_rate(run, i)

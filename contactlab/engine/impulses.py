@@ -53,9 +53,23 @@ def _move(run: Run, frame: Contact, p_n: float, p_t: float) -> None:
 
 
 @inner_kernel
+def _work_of_led(run: Run, frame: Contact, p_n: float, p_t: float) -> float:
+    """Return the work [J] against impulses [N s] of the drive that keeps led coordinates on their path."""
+    _, _, _, n_u, n_th, t_u, t_th = frame
+    u, th, work = n_u * p_n + t_u * p_t, n_th * p_n + t_th * p_t, 0.0
+    for j in range(run.plant.mode_count):
+        mode = run.plant.modes[j]
+        if mode.led != 0:
+            work -= (mode.row_u * u + mode.row_th * th + mode.row_r * p_t) * mode.v[START]
+    return float(work)
+
+
+@inner_kernel
 def _account(run: Run, before: Contact, after: Contact, p_n: float, p_t: float) -> float:
     """Add impulses [N s] to the sums of contact and run, with their loss [J], which is returned."""
     state, contact = run.state, run.state.contact
+    if run.plant.wave.led != 0:
+        state.total.drive_work += _work_of_led(run, before, p_n, p_t)
     # Velocities change linearly with the impulses, so that their work is that of the mean velocity: exact,
     # and lost where an impulse opposes it.
     lost = -0.5 * p_n * (before[1] + after[1])
@@ -158,8 +172,8 @@ def apply_impact(run: Run, law: Law, rate: float, slip: float) -> bool:
 
 
 @inner_kernel
-def settle(run: Run) -> Contact:
-    """Take from the step's start what location and collocation left of gap and gap rate, in stick of slip.
+def settle(run: Run, holds: bool) -> Contact:
+    """Take from the step's start what is left of gap, gap rate and, if the contact `holds` it, slip.
 
     It is along the gradient, by the masses, as the paper's corrector (eq. 57). What changes the rates are
     impulses of the contact: a slip that is located up to SLIP_ROUND_OFF turns the rotor as it ends. A contact
@@ -182,7 +196,7 @@ def settle(run: Run) -> Contact:
     # Then the rates: gdot = 0, and in stick v = 0, by impulses as in eq. 4.5. Slip keeps its rate, as
     # friction there is no constraint; a prescribed one yields to no impulse.
     p_n, p_t = -frame[1] / d_nn, 0.0
-    if run.state.mode == STICK and run.plant.wave.led_slip == 0:
+    if holds and run.plant.wave.led_slip == 0:
         p_n, p_t = stick_impulse(frame[1], frame[2], d_nn, d_nt, d_tt)
     _move(run, frame, p_n, p_t)
     after = contact_at(run.plant, START)

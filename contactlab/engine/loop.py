@@ -9,7 +9,7 @@ from contactlab.engine.flight import RESOLUTION, step_flight
 from contactlab.engine.friction import jump_at_guard
 from contactlab.engine.impulses import settle
 from contactlab.engine.kinematics import begin, contact_at
-from contactlab.engine.memory import jump, leave, lose_earlier, note_release, press
+from contactlab.engine.memory import SLIP_ROUND_OFF, jump, leave, lose_earlier, note_release, press
 from contactlab.engine.propagator import FLIGHT_DOUBLINGS, step_length
 from contactlab.engine.recorder import CRAWL, commit, end_with_forces
 from contactlab.engine.rootfinding import keeps_slip
@@ -110,7 +110,11 @@ def _opens_step(run: Run, law: Law, waves: Array) -> bool:
         _open_contact(run, law)
         if state.law.compliant != 0:
             press(run, law, law.memory)
+    ended = state.time == state.piece_end and state.mode == STICK and state.law.constrained != 0
     begin(run, waves)
+    if ended and abs(contact_at(run.plant, START)[2]) > SLIP_ROUND_OFF:
+        # A prescribed velocity may jump where a piece of its path ends: the contact goes on as in a new run.
+        state.impulse_scale = 0.0
     if state.phase != TOUCHING or state.law.compliant != 0 or state.law.constrained != 0:
         # Beyond its end a piece says nothing; a rigid contact's step is as short as its error wants it.
         finest = run.propagator.rule.level_count - 1
@@ -131,7 +135,7 @@ def _act(run: Run, law: Law, ends: Array, event: int) -> None:
     elif event in (REVERSAL, CONE):
         if state.law.constrained != 0:
             # What collocation left of the slip within the step must not choose the way that the slip begins.
-            settle(run)
+            settle(run, state.mode == STICK)
         switch_friction(state, event)
         jump(run, law, law.memory, AT_STICK if event == REVERSAL else AT_SLIP)
     elif event == GUARD:
@@ -154,7 +158,7 @@ def _release(run: Run, law: Law, ends: Array) -> None:
     """End the contact, and store it where it was one."""
     state = run.state
     if state.law.constrained != 0 and state.contact.duration > 0.0:
-        settle(run)
+        settle(run, state.mode == STICK)
     for k in range(state.law.variables):
         ends[state.contact_count, k] = state.memory[k]
     note_release(run, law, law.memory)

@@ -1,5 +1,6 @@
 """Driven tables, grounds and tips beside a free body: closed forms, and the ledger of each closes."""
 
+from dataclasses import replace
 from math import asin, cos, hypot, pi, sqrt
 from typing import Any
 
@@ -10,6 +11,7 @@ from scipy.interpolate import PPoly
 from scipy.optimize import brentq
 
 import contactlab as cl
+from contactlab.engine import simulate
 
 G, MU = 9.81, 0.2
 STIFFNESS = 1e8
@@ -98,6 +100,107 @@ def test_the_steady_speed_of_an_inertia_drive_is_its_step_over_the_period() -> N
     sawtooth = cl.Sawtooth("1 um", "1 kHz", rise=0.8, corner=0.02)
     state = cl.steady(cl.slider(0.1, weight=0.5, tip=sawtooth), RIGID)
     assert_allclose(state.velocity.value, 1e3 * step_of(sawtooth, 1.0), rtol=1e-6)
+
+
+@pytest.mark.parametrize(
+    "law", [RIGID, cl.LagrangeSlip(friction_coefficient=MU), cl.Newton(friction_coefficient=MU)]
+)
+def test_a_velocity_that_jumps_breaks_the_stick_without_an_impulse(law: cl.ContactLaw) -> None:
+    """The normal force is finite, so that its friction has no impulse: the slider keeps its velocity.
+
+    In the fast flank it slows down by mu N / m, and as long again until it has its velocity back.
+    """
+    mass, weight, stroke, rise, period = 0.1, 0.5, 1e-6, 0.8, 1e-3
+    up, down = stroke / (rise * period), -stroke / ((1.0 - rise) * period)
+    edges = period * np.array([0.0, 0.5 * rise, 1.0 - 0.5 * rise, 1.0])
+    velocity = np.array([up, down, up])
+    place = np.append(0.0, np.cumsum(velocity * np.diff(edges)))[:-1]
+    sharp = cl.Waveform(PPoly(np.stack([velocity, place])[:, :, None], edges), periodic=True)
+    slider = cl.slider(mass, weight=weight, tip=cl.Sawtooth(stroke, 1.0 / period, rise=rise), velocity=up)
+    slider = replace(slider, drive=replace(slider.drive, waveform=sharp))
+    run = cl.simulate(slider, law, duration=5e-3, record_interval=1e-5)
+    expected = up * period - MU * weight / mass * ((1.0 - rise) * period) ** 2
+    assert_allclose(np.diff(run["rotor_angle"].values[::100]), expected, rtol=1e-6)
+    assert abs(run["energy_residual"]).max() < 1e-7 * float(run["friction_loss"][-1])
+
+
+@pytest.mark.parametrize("speed", [0.5, -0.5, 0.0])
+@pytest.mark.parametrize(
+    "law", [RIGID, cl.Newton(friction_coefficient=MU), COMPLIANT], ids=["rigid", "newton", "compliant"]
+)
+def test_a_contact_that_goes_on_over_another_belt_slides_until_it_has_its_velocity(
+    law: cl.ContactLaw, speed: float
+) -> None:
+    """The stick of a block goes on at a slip -v, which ends after v / a, by a = mu N (1/m + 1/M)."""
+    mass, heavy = 2.0, 50.0
+    weight = mass * G
+
+    def block(velocity: float) -> cl.Motor:
+        height = -sunk(law, weight)
+        return cl.block(mass, weight=weight, height=height, belt_mass=heavy, belt_velocity=velocity)
+
+    lying = simulate(block(0.0), law, duration=1e-2, record_interval=1e-3)
+    assert lying.contact_mode[-1] == 2
+    run = simulate(block(speed), law, duration=0.4, record_interval=1e-3, contact=lying.state)
+    rate = MU * weight * (1.0 / mass + 1.0 / heavy)
+    slides = np.maximum(abs(speed) - rate * run.time, 0.0)
+    assert_allclose(run.series["slip_velocity"], -np.sign(speed) * slides, atol=1e-9)
+    assert abs((run.contact_mode == 1).sum() - abs(speed) / rate / 1e-3) <= 1.0
+    lost = MU * weight * speed**2 / (2.0 * rate)
+    assert_allclose(run.series["friction_loss"][-1], lost, rtol=1e-9)
+    assert abs(run.series["energy_residual"]).max() < 1e-10
+
+
+def test_a_slider_goes_on_under_a_faster_tip_by_its_friction() -> None:
+    """The tip of the second motor is twice as fast from its start on: v = v_1 + mu N t / m."""
+    mass, weight, period = 0.1, 5.0, 1e-3
+    slow, fast = (
+        cl.slider(mass, weight=weight, tip=cl.Sawtooth(stroke, 1.0 / period, rise=0.8), velocity=1.25e-3)
+        for stroke in (1e-6, 2e-6)
+    )
+    first = simulate(slow, RIGID, duration=2.0 * period, record_interval=period)
+    assert first.contact_mode[-1] == 2
+    run = simulate(fast, RIGID, duration=0.35 * period, record_interval=1e-5, start=first.state)
+    time = run.time - run.time[0]
+    expected = np.minimum(1.25e-3 + MU * weight / mass * time, 2.5e-3)
+    assert_allclose(run.series["rotor_velocity"], expected, rtol=1e-6)
+
+
+@pytest.mark.parametrize("belt", [0.0, 5e-4])
+def test_the_force_of_a_driven_tip_on_a_held_slider_is_that_of_its_slip(belt: float) -> None:
+    """mu N (2 p - 1) with the share p of the period in which the tip is faster, stick or not before."""
+    stroke, frequency, rise, corner, weight = 1e-6, 1e3, 0.9, 0.01, 1.0
+    free = cl.slider(tip=cl.Sawtooth(stroke, frequency, rise=rise, corner=corner), weight=weight)
+    up, down = stroke * frequency / rise, stroke * frequency / (1.0 - rise)
+    share = rise - corner + 2.0 * corner * (up - belt) / (up + down)
+    # The motion under a prescribed velocity goes on from a stick at another one.
+    state = cl.steady(free, RIGID, belt=belt, start=cl.steady(free, RIGID))
+    # The slider is round by x^2 / 2 m: its normal force by 1e-6.
+    assert_allclose(state.torque.value, MU * weight * (2.0 * share - 1.0), rtol=3e-6)
+
+
+def test_a_slider_that_is_laid_on_a_hertzian_tip_bounces_in_stick_as_long_as_it_likes() -> None:
+    """W d = 2/5 K d^(5/2): it comes back to a contact without force, and its slip is round-off."""
+    weight, law = 1.0, cl.HertzPenalty()
+    slider = cl.slider(tip=cl.Sawtooth(), weight=weight)
+    run = cl.simulate(slider, law, duration=0.02)
+    assert run.complete, run.message
+    assert law.stiffness is not None
+    deepest = (2.5 * weight / law.stiffness) ** (2.0 / 3.0)
+    # The slider is round by x^2 / 2 m.
+    assert_allclose(run.contacts["max_penetration"], deepest, rtol=1e-5)
+    assert abs(run["energy_residual"]).max() < 1e-9 * weight * deepest
+
+
+def test_impacts_on_a_driven_tip_take_their_work_from_its_drive() -> None:
+    mass, height = 0.1, 1e-6
+    slider = cl.slider(mass, weight=0.5, tip=cl.Sawtooth("1 um", "1 kHz", rise=0.8), velocity=6e-4)
+    assert slider.start is not None
+    above = replace(slider.start, displacement=np.array([-np.sqrt(mass) * height, 0.0]))
+    law = cl.Newton(friction_coefficient=MU, restitution=0.5)
+    run = cl.simulate(replace(slider, start=above), law, duration=5e-3, record_interval=1e-5)
+    assert run.contacts.sizes["contact"] > 3
+    assert abs(run["energy_residual"]).max() < 1e-7 * float(run["friction_loss"][-1])
 
 
 E_BALL, FREQUENCY = 0.8, 50.0

@@ -6,6 +6,7 @@ from math import pi
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
+from scipy.interpolate import PPoly
 
 import contactlab as cl
 from contactlab.motor.motor import FLAT, free_reach
@@ -101,6 +102,28 @@ def test_nothing_else_moves_a_prescribed_mode() -> None:
     run = cl.simulate(slider(tones(), elsewhere, pressed), LAW, duration=1e-5, record_interval=1e-7)
     expected = CLEARANCE - A * np.cos(OMEGA * run["time"].values)
     np.testing.assert_allclose(run["gap"], expected, rtol=0.0, atol=1e-15)
+
+
+@pytest.mark.parametrize("velocity", [0.3, -0.2])
+def test_a_floor_of_constant_velocity_does_the_work_of_its_impulse(velocity: float) -> None:
+    """p = (1 + e) m (V + v) takes p V from the drive: the ball has that, less (1 - e^2) m (V + v)^2 / 2."""
+    modes = cl.NormalModes(
+        stiffness=np.zeros(2),
+        damping=np.zeros(2),
+        coupling=np.array([[ROOT, 0.0], [0.0, 0.0]]),
+        tip_displacement=np.array([1.0 / ROOT, 1.0]),
+        tip_slope=np.zeros(2),
+        prescribed=np.array([True, False]),
+    )
+    line = PPoly(np.array([[[velocity, 0.0]], [[0.0, 0.0]]]), [0.0, 1.0])
+    drive = cl.Drive(waveform=cl.Waveform(line))
+    start = cl.ModalState(np.zeros(2), np.array([0.0, 0.5]))
+    motor = cl.Motor(modes, drive, cl.ContactGeometry(FLAT, FLAT, 1e-3), start=start)
+    run = cl.simulate(motor, cl.Newton(restitution=0.7), duration=8e-3, record_interval=1e-5)
+    impulse = 1.7 * (velocity + 0.5)
+    np.testing.assert_allclose(run.contacts["normal_impulse"], [impulse], rtol=1e-12)
+    np.testing.assert_allclose(run["drive_work"][-1], impulse * velocity, rtol=1e-12)
+    assert np.abs(run["energy_residual"]).max() < 1e-12
 
 
 def test_a_shaken_floor_throws_a_ball() -> None:
