@@ -161,8 +161,8 @@ def pattern(template: str) -> re.Pattern[str]:
         parts.append(re.sub(r"(?:\\?\s)+", r"\\s+", re.escape(literal)))
         if field is not None:
             # Where a sentence begins with a number, what stands before it is not its own.
-            words = MANY_WORDS if "join(" in field else FEW_WORDS
-            parts.append(words if "".join(parts) else WORD)
+            several = MANY_WORDS if "join(" in field else FEW_WORDS
+            parts.append(several if "".join(parts) else WORD)
     return re.compile("".join(parts) + r"(?!\d)")
 
 
