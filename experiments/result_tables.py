@@ -52,7 +52,7 @@ def front_page() -> str:
     """Return what the example of README prints."""
     bases = {"ritz": "four shapes", "finite_element": "converged"}
     lines = [
-        f"{basis:15} {law:15} {settled:8.4f} +- {settled.error:.1g} rad/s"
+        f"{basis:15} {law:15} {settled:8.4f} +- {settled.error:.2g} rad/s"
         for basis, section in bases.items()
         for law in ("lagrange_stick", "newton", "hertz_penalty")
         for settled in [
