@@ -11,7 +11,7 @@ from math import hypot, log, pi
 from typing import Any, Final
 
 import numpy as np
-from fit_coverage import coverage as intervals
+from fit_coverage import KINDS, coverage as intervals
 from impact_mass import FREQUENCY, STEPS, mass_met
 from references import HERTZ_CASE_A, RIGID_CASE_A
 
@@ -54,8 +54,8 @@ SHEETS: Final = ("lagrange_slip", "lagrange_stick", "hertz_penalty")
 FITS: Final = 16
 """Fits of either kind whose intervals are counted."""
 
-MADE: Final = (("loop", 200), ("impacts", 200), ("points", 64))
-"""Kinds of data whose intervals by least squares are counted, and how many sets of each."""
+MADE: Final = 200
+"""Sets of data of each kind whose intervals by least squares are counted."""
 
 IMPACTS, NOISE = 60, 0.05
 """Impacts of each of them, and their error over the approach."""
@@ -259,7 +259,8 @@ SECTIONS: Final[dict[str, tuple[Callable[[], dict[str, Any]], Callable[[], dict[
     "true law": (true_law, lambda: true_law((100,))),
     "rotor fit": (rotor_fit, lambda: rotor_fit(10)),
     **{
-        f"intervals of {kind}": (partial(intervals, kind, n), partial(intervals, kind, 1)) for kind, n in MADE
+        f"intervals of {kind}": (partial(intervals, kind, MADE), partial(intervals, kind, 1))
+        for kind in KINDS
     },
 }
 """What makes a section, and its short form."""
