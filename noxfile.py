@@ -33,12 +33,21 @@ def lint(session: nox.Session) -> None:
 
 @nox.session(python=PYTHONS[0], venv_backend="uv")
 def lowest(session: nox.Session) -> None:
-    """Run the tests of `.ci/run`'s other Pythons with the lowest versions that pyproject.toml states."""
+    """Run tests with the lowest versions that pyproject.toml states."""
     session.run_install("uv", "pip", "install", "--resolution", "lowest-direct", "-e", ".")
     # The tests' own tools may be new.
     session.install("hypothesis", "psutil", "pytest", "pytest-xdist")
     # An old matplotlib calls a new pyparsing by its old names.
     session.run("pytest", "-Wignore::DeprecationWarning", *(session.posargs or LOWEST))
+
+
+@nox.session
+def coverage(session: nox.Session) -> None:
+    """Count the lines that the suite runs, of kernels those that run as Python."""
+    session.install("-e", ".[test]", *PACKAGES, "coverage")
+    session.run("coverage", "run", "-m", "pytest", *session.posargs)
+    session.run("coverage", "combine")
+    session.run("coverage", "report", "--skip-covered")
 
 
 @nox.session

@@ -317,7 +317,9 @@ def test_a_path_of_another_kind_is_refused(law: cl.ContactLaw, path: dict[str, f
 def test_a_constant_load_has_a_gap_under_a_law_with_damping(name: str) -> None:
     law = cl.build(["law=composed", f"law/damping={name}"]).law
     run = cl.drive(law, TIME, normal=5.0, slip=1e-3 * np.sin(TURN * TIME))
-    np.testing.assert_allclose(run["normal_force"][1:], 5.0, rtol=1e-12)
+    # Constant to round-off, the rate of which a damping by the speed of impact enlarges.
+    np.testing.assert_allclose(run["gap"], run["gap"][0], rtol=1e-13)
+    np.testing.assert_allclose(run["normal_force"][1:], 5.0, rtol=1e-10)
     assert abs(float(run["contact_loss"][-1])) < 1e-15 * float(run["friction_loss"][-1])
 
 
