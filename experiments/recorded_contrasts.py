@@ -120,7 +120,7 @@ def beyond_counts(contrast: str, level: str) -> tuple[int, int]:
 
 
 def beyond_of_all(contrast: str, level: str) -> Number:
-    """Return that share of all motors, where those without a half-width or a contrast count as not exceeding."""
+    """Return that share of all motors; one without a half-width or a contrast counts as not exceeding."""
     return share(beyond_counts(contrast, level)[0], motors())
 
 
