@@ -19,9 +19,9 @@ SPOKEN: Final = {SPEED: "speed", "stall_torque": "torque"}
 """Words for the quantities of which contrasts are recorded by motor."""
 
 CONCLUSIONS: Final = {
-    "catalogue": ("from a catalogue", "a design needs the law"),
-    "bench": ("on a bench", "a motor of measured parts needs the law"),
-    "measured": ("by two operating points", "a motor that is measured itself needs the law"),
+    "catalogue": ("from a catalogue", "most designs need the law"),
+    "bench": ("on a bench", "most motors of measured parts need the law"),
+    "measured": ("by two operating points", "most motors that are measured themselves need the law"),
 }
 """From which knowledge on a contrast shows in most motors, and what a designer may conclude, by level."""
 
@@ -108,9 +108,25 @@ def largest_interaction() -> Number:
 
 def beyond(contrast: str, level: str) -> Number:
     """Return the share of motors whose speed a contrast changes by more than the prediction's half-width."""
+    exceeding, known = beyond_counts(contrast, level)
+    return share(exceeding, known) if known else NONE
+
+
+def beyond_counts(contrast: str, level: str) -> tuple[int, int]:
+    """Return in how many motors a contrast exceeds the half-width, and how many have both."""
     size, width = array(of_run("size")[SPEED][contrast]), array(of_run("half-width")[level])
     known = ~np.isnan(size) & np.isfinite(width)
-    return share(int((size > width)[known].sum()), int(known.sum())) if known.any() else NONE
+    return int((size > width)[known].sum()), int(known.sum())
+
+
+def beyond_of_all(contrast: str, level: str) -> Number:
+    """Return that share of all motors; one without a half-width or a contrast counts as not exceeding."""
+    return share(beyond_counts(contrast, level)[0], motors())
+
+
+def bounded(level: str) -> int:
+    """Return the motors of which the prediction has a half-width."""
+    return int(np.isfinite(array(of_run("half-width")[level])).sum())
 
 
 def in_most(contrast: str, level: str) -> bool | None:
@@ -140,7 +156,7 @@ def conclusion(contrast: str) -> tuple[str, str]:
                 undecided += f"; open {known}"
     if undecided:
         return f"in no other way{undecided}", "open"
-    return "in none of these ways", "either law will do"
+    return "in none of these ways", "in most either law will do"
 
 
 def turning(contrast: str) -> int:

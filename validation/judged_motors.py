@@ -1,4 +1,4 @@
-"""Random motors over every law and part against an independent integrator.
+"""Random motors over laws and parts, those of `random_motors`, against an independent integrator.
 
     python validation/judged_motors.py [--motors N] [--first N] [--csv FILE] [--page docs/judged_motors.md]
 

@@ -74,7 +74,7 @@ N/µm, pressed by 10 N onto a belt of 20 mm/s.
 ## Further
 
 * [Contracts and publications](law_table.md): what each law is held to, and what is published of it
-* [Writing a contact law](writing_laws.md): an example of every kind, from ten lines to a plastic dent
+* [Writing a contact law](writing_laws.md): examples, from ten lines to a plastic dent
 * [The laws' keys](reference/law_keys.md): what each can be given
 * `contactlab laws` prints the same on the terminal, with the laws that other packages bring
 """

@@ -560,9 +560,9 @@ def motors_beyond(count: int, level: str) -> Edits:
 
 
 for start, level in (
-    ("Of {motors()} motors that are known", "catalogue"),
-    ("Of {motors()} motors of which every", "bench"),
-    ("Of {motors()} motors whose own speed", "measured"),
+    ("Of {bounded('catalogue')} motors", "catalogue"),
+    ("Of {bounded('bench')} motors", "bench"),
+    ("Of {bounded('measured')} motors", "measured"),
 ):
     made(
         start,
