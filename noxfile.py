@@ -42,15 +42,6 @@ def lowest(session: nox.Session) -> None:
 
 
 @nox.session
-def coverage(session: nox.Session) -> None:
-    """Count the lines that the suite runs, of kernels those that run as Python."""
-    session.install("-e", ".[test]", *PACKAGES, "coverage")
-    session.run("coverage", "run", "-m", "pytest", *session.posargs)
-    session.run("coverage", "combine")
-    session.run("coverage", "report", "--skip-covered")
-
-
-@nox.session
 def docs(session: nox.Session) -> None:
     """Build the documentation into build/site; a warning is a failure."""
     session.install("-e", ".[docs]")
