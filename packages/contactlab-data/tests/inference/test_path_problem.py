@@ -296,9 +296,9 @@ def test_least_squares_of_a_linear_law_have_the_gaussian_integrals(level: float)
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("level", LEVELS)
-def test_nested_sampling_of_a_linear_law_has_the_gaussian_integrals(level: float) -> None:
+def test_nested_sampling_of_a_linear_law_has_the_gaussian_integrals() -> None:
     """ln Z within 0.1 and means within 0.05 deviations: of 12 nat 4000 live points leave sqrt(12/4000)."""
+    level = min(LEVELS)  # that of most nat
     sets, rows, data = linear_loops(1, level)
     mean, deviation, evidence = gaussian(rows, data, level)
     (candidate,) = candidates_of(sets, {"": linear_setup()}, LINEAR)
