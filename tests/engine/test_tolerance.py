@@ -55,14 +55,15 @@ def _every() -> Iterator[cl.Composed]:
             yield law
 
 
-def covering(number: int) -> Iterator[cl.Composed]:
+@cache
+def covering(number: int) -> tuple[cl.Composed, ...]:
     """Composed laws that together have whatever `number` parts of one law there are."""
     has = {law: set(combinations(names_of(law), number)) for law in every()}
-    left = set().union(*has.values())
+    left, chosen = set().union(*has.values()), []
     while left:
-        chosen = max(reversed(every()), key=lambda law: len(left & has[law]))
-        yield chosen
-        left -= has[chosen]
+        chosen.append(max(reversed(every()), key=lambda law: len(left & has[law])))
+        left -= has[chosen[-1]]
+    return tuple(chosen)
 
 
 def names_of(law: cl.Composed) -> list[tuple[str, str]]:
@@ -77,7 +78,7 @@ def typical() -> tuple[cl.Composed, ...]:
     And a spring along the slip on a normal stiffness that has kinks, and a patch whose limits hang on more
     than the depth.
     """
-    chosen = tuple(covering(1))
+    chosen = covering(1)
     alone = (cl.Composed(friction=law.friction) for law in chosen)
     patch, spring = cl.Microslip(), cl.Composed(cl.Lining(), friction=cl.Mindlin())
     return (
