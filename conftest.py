@@ -44,6 +44,7 @@ LONGEST = (
     *("test_blocks.py", "test_killed.py", "test_experiments.py"),
     *("test_contract.py", "test_compare.py", "test_compare_recorded.py", "test_cross_validation.py"),
     *("test_reading.py", "test_own_study.py", "test_sweep_jobs.py", "test_collect.py", "test_saboteurs.py"),
+    *("test_curve_problem.py", "test_path_problem.py"),
 )
 """Modules of tens of seconds: they run first, so that no worker has one left where the others have ended."""
 
